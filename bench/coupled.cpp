@@ -112,7 +112,7 @@ int run(int argc, char** argv) {
     const parallel::ThreadLimit threads(line.render.threads);
 
     app::RenderOptions options = line.render;
-    options.tolerance = "fixed=2%";
+    options.tolerance = app::fixed_tolerance(0.02f);
     app::RenderJob film = app::prepare(options);
     if (!film.exposure) film.exposure = app::measure_exposure(film);
     if (name.empty()) name = options.input.stem().string();

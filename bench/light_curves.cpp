@@ -39,10 +39,10 @@ void run(const std::string& scene, const bench::Wishes& wishes) {
     options.cache = "off";
     options.input = scene;
     const int width = wishes.number("width", 512), height = wishes.number("height", 512);
-    options.size = fmt::format("{}x{}", width, height);
+    options.size = {width, height};
     options.samples = 1;
     options.vpls = wishes.number("vpls", 32768);
-    options.exposure = "0";
+    options.exposure = 0.0f;
     app::RenderJob film = app::prepare(options);
     const scene::Snapshot world = film.snapshot(wishes.number("frame", 0));
     renderer::Renderer renderer(*film.animation, film.rendering, film.plan);

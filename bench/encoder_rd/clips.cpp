@@ -12,6 +12,7 @@
 #include "app/loop/automatic_exposure.h"
 #include "app/loop/pipeline.h"
 #include "app/loop/render_job.h"
+#include "app/options/option_text.h"
 #include "core/error.h"
 #include "encoder/av/y4m.h"
 #include "encoder/av/y4m_reader.h"
@@ -119,7 +120,7 @@ app::RenderJob render_job_of(const fs::path& folder, const ClipRequest& request)
     app::RenderOptions options;
     options.input = folder;
     options.output = folder / "film.m2v";
-    if (request.small) options.size = small_size;
+    if (request.small) options.size = app::size_from(small_size);
     app::RenderJob film = app::prepare(options);
     film.frames.last = std::min<std::int64_t>(film.frames.last, film.frames.first + length_of(request) - 1);
     return film;

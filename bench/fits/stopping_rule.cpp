@@ -137,7 +137,7 @@ class Bench {
         app::RenderOptions options;
         options.cache = "off";
         options.input = subject.path;
-        options.size = fmt::format("{0}x{0}", picture_size);
+        options.size = {picture_size, picture_size};
         options.samples = 1;
         options.vpls = vpls;
         app::RenderJob film = app::prepare(options);

@@ -117,7 +117,7 @@ TEST(Hire, TellsTheLongestPartByItsShots) {
     app::RenderOptions options;
     options.input = scene / "scene.json";
     options.output = scene / "film.mpg";
-    options.size = "96x16";
+    options.size = {96, 16};
     options.samples = 1;
     options.coding.gop = 30;
     const app::RenderJob film = app::prepare(options);

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <thread>
 
+#include "app/options/options.h"
 #include "pipeline/fixture.h"
 
 /// What a user meets at the door: help, refusals, interruptions.
@@ -37,6 +38,22 @@ TEST(Help, ShowsEveryOptionWithItsDefault) {
         EXPECT_NE(help.output.find(words), std::string::npos) << words;
     EXPECT_EQ(run(program() + " plan --help").status, 0);
     EXPECT_EQ(run(program() + " --version").output.substr(0, 12), "render2mpeg ");
+}
+
+TEST(Help, ShowsTheDefaultsThatMembersHave) {
+    const auto shown = [](const std::string& command, const std::string& option) {
+        const std::string help = support::run(support::program() + " " + command + " --help").output;
+        const std::size_t begin = help.find('=', help.find(option + " ")) + 1;
+        return help.substr(begin, help.find_first_of(" \n]", begin) - begin);
+    };
+    const std::string within = shown("plan", "--within"), tried = shown("cost", "--within"),
+                      tolerances = shown("cost", "--tolerances");
+    EXPECT_EQ(app::parse({"render2mpeg", "plan", "s.glb", "--within", within}).render.within,
+              app::RenderOptions().within);
+    const app::CommandLine cost =
+        app::parse({"render2mpeg", "cost", "s.glb", "--within", tried, "--tolerances", tolerances});
+    EXPECT_EQ(cost.trial.within, app::TrialOptions().within);
+    EXPECT_EQ(cost.trial.tolerances, app::TrialOptions().tolerances);
 }
 
 TEST(Help, TheProgramItselfLoadsNoHeavyLibrary) {

@@ -203,9 +203,9 @@ TEST(Truth, MendsWhatIsMeasuredAgainstReferenceLight) {
 app::RenderJob tiny_film(const std::string& input = plain_film(), const std::string& size = "32x32") {
     app::RenderOptions options;
     options.input = input;
-    options.size = size;
+    options.size = app::size_from(size);
     options.samples = 1;
-    options.exposure = "0";
+    options.exposure = 0.0f;
     return app::prepare(options);
 }
 

@@ -7,7 +7,7 @@
 
 #include "app/loop/coupling.h"
 #include "app/loop/pipeline.h"
-#include "app/options/options.h"
+#include "app/options/option_text.h"
 #include "core/color.h"
 #include "perceptual/metrics.h"
 #include "support/program.h"
@@ -47,10 +47,10 @@ struct Record : LoopObserver {
 RenderOptions options_of(const std::string& film, const std::string& frames, const std::string& size = "48x32") {
     RenderOptions options;
     options.input = film;
-    options.frames = frames;
-    options.size = size;
+    options.frames = app::frames_from(frames);
+    options.size = app::size_from(size);
     options.samples = 1;
-    options.exposure = "0";
+    options.exposure = 0.0f;
     options.cache = "on";
     options.coding.quantiser = 8;
     return options;
@@ -77,7 +77,7 @@ Record made(const RenderJob& film) {
 }
 
 Record made(RenderOptions options, const std::string& tolerance) {
-    options.tolerance = tolerance;
+    options.tolerance = app::tolerance_from(tolerance);
     return made(prepare(options));
 }
 
@@ -139,7 +139,7 @@ TEST(CoupledLoop, WarpedTolerancesAreThoseThatWouldBeFoundAnewSlow) {
     RenderOptions options = options_of(support::panel_film(), "0:5", "64x48");
     options.coding.gop = 1;
     const Record film = made(options, "coupled=0.5");
-    options.frames = "5:5";
+    options.frames = {5, 5};
     const Record begun = made(options, "coupled=0.5");
     const auto [mean, distance] = apart(film, begun, 5);
     EXPECT_NEAR(mean, 0.0, 0.1);
@@ -206,9 +206,9 @@ TEST(CoupledLoop, WhatABrightPictureHidesShowsOnceTheLampIsOutSlow) {
     // The lamp goes out at frame 12. What its pixels may be off by is no more than in a film that begins there, but for
     // its first look's roughness, though the picture before hid far more; and not next to nothing either.
     RenderOptions options = options_of(support::film("flash_cut"), "11:13");
-    options.exposure = "3";
+    options.exposure = 3.0f;
     const Record film = made(options, "coupled=0.5");
-    options.frames = "12:13";
+    options.frames = {12, 13};
     const Record begun = made(options, "coupled=0.5");
     for (const std::int64_t n : {12, 13}) {
         const auto allowed = [&](const Record& record, std::size_t i) {

@@ -12,6 +12,7 @@
 
 #include "app/experiments/film_costs.h"
 #include "app/experiments/trial.h"
+#include "app/options/option_text.h"
 #include "support/program.h"
 
 /// What a few frames tell of a whole film, and of its effects.
@@ -25,7 +26,7 @@ RenderJob small_film(const std::string& scene, const std::string& size = "32x32"
     app::RenderOptions options;
     options.input = scene;
     options.output = "film.mpg";
-    options.size = size;
+    options.size = app::size_from(size);
     RenderJob film = app::prepare(options);
     film.exposure = 0;
     return film;

@@ -180,15 +180,15 @@ TEST(Preset, GopsStayWithinTheirFields) {
     EXPECT_LE(hd.rate_control.buffer_bits, 7'995'392);
 
     // ATSC: bits wait at most half a second.
-    options.bitrate = "4M";
+    options.bitrate = 4'000'000;
     options.constant_rate = true;
     EXPECT_EQ(coding("atsc", "59.94").rate_control.buffer_bits, 2'000'000);
     EXPECT_EQ(coding("dvd-pal", "25").rate_control.buffer_bits, 1'835'008);
-    options.bitrate = "9.9M";
+    options.bitrate = 9'900'000;
     EXPECT_THROW(coding("dvd-pal", "25"), core::Error);
     options.bitrate.reset();
     options.constant_rate = false;
-    options.vbv = "1836000";
+    options.vbv = 1'836'000;
     EXPECT_THROW(coding("dvd-pal", "25"), core::Error);
     options.vbv.reset();
 

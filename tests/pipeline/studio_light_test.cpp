@@ -23,9 +23,9 @@ StudioLuma luma_in_studio(const std::string& objects) {
     std::ofstream(folder / "film.json") << R"({"objects": [)" << objects << "]}";
     app::RenderOptions options;
     options.input = folder / "film.json";
-    options.size = "64x48";
+    options.size = {64, 48};
     options.samples = 1;
-    options.tolerance = "fixed=2%";
+    options.tolerance = app::fixed_tolerance(0.02f);
     app::RenderJob film = app::prepare(options);
     film.exposure = app::measure_exposure(film);
 

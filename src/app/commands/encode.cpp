@@ -25,7 +25,6 @@
 #include "app/loop/resume.h"
 #include "app/loop/statistics_recorder.h"
 #include "app/options/mistakes.h"
-#include "app/options/option_text.h"
 #include "app/options/output_kind.h"
 #include "app/options/usage_error.h"
 #include "app/report/statistics.h"
@@ -76,7 +75,7 @@ ShapeWishes wishes_of(const EncodeOptions& options, const FrameSource& frames) {
     wishes.source = input_name(options);
     wishes.finished = true;
     wishes.source_size = frames.size();
-    if (options.rate) wishes.rate = core::frame_rate_from(*options.rate);
+    if (options.rate) wishes.rate = *options.rate;
     if (const auto rate = frames.rate(); rate && !wishes.rate)
         wishes.source_rate = core::frame_rate_from(fmt::format("{}/{}", rate->num, rate->den));
     if (const auto pixel = frames.pixel_aspect())
@@ -114,7 +113,6 @@ Job prepare(const EncodeOptions& options) {
                           "a film is coded: .mpg, .vob, .ts, .m2v, .mkv, .mp4 or .mov");
     if (!options.as) check_apart({Files(options.input)}, {Files(options.output), Files(options.stats.value_or(""))});
     Job job;
-    const auto wanted = options.frames ? std::optional(frames_from(*options.frames)) : std::nullopt;
     // Frames and their motion are often the same files.
     const auto shared =
         options.motion && *options.motion == options.input ? std::make_shared<SharedChannels>() : nullptr;
@@ -136,14 +134,14 @@ Job prepare(const EncodeOptions& options) {
     std::unique_ptr<MotionPipe> motion_pipe;
     if (has_pipe) motion_pipe = std::make_unique<MotionPipe>(*options.motion);
     const FilmSignals signals{{}, view, chroma_of(codec_of(options.coding, options.output), view)};
-    job.frames = open_frames(options.input, options.exposure, wanted, signals, shared);
+    job.frames = open_frames(options.input, options.exposure, options.frames, signals, shared);
     encoder::Settings& coding = job.film.coding;
     const Preset* preset = preset_of(options.coding);
     if (preset != nullptr) preset->check_output(options.output);
     job.film.frames = job.frames->frames();
     coding = coding_settings(options.coding, settle_shape(wishes_of(options, *job.frames), preset),
                              job.film.frames.first, options.output, view);
-    if (options.grain) coding.grain = grain_from(*options.grain);
+    if (options.grain) coding.grain = *options.grain;
     job.film.keyframes = keyframes_of(options.coding);
     job.film.disc = preset != nullptr && preset->disc;
     check_settings(coding);

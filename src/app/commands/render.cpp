@@ -14,7 +14,6 @@
 #include "app/loop/hire.h"
 #include "app/loop/kept_frames.h"
 #include "app/loop/resume.h"
-#include "app/options/option_text.h"
 #include "app/production/production.h"
 #include "app/report/frame_view.h"
 #include "app/report/side_film.h"
@@ -37,7 +36,7 @@ int interrupted_before_frames(const RenderOptions& options) {
 
 /// Forecast (as far as --within allows) and plan. Settles the film.
 std::string plan_text(RenderJob& film, const RenderOptions& options) {
-    const double within = within_from(options.within);
+    const double within = options.within;
     const auto found = within > 0 ? forecast(film, options.output, within, options.quiet) : std::nullopt;
     const bool is_lit = found && !found->is_least;
     return film_text(film) + "\n" + (found ? text_of(*found) : "") +
@@ -123,7 +122,7 @@ int render(const RenderOptions& options, const std::string& command, Rendered* r
 } catch (const std::bad_alloc&) {
     if (!options.memory) throw;
     throw core::Error("rendering", options.input.string(),
-                      "it takes more memory than --memory " + *options.memory + " allows");
+                      "it takes more memory than " + options.as_said("--memory") + " allows");
 }
 
 int plan(const RenderOptions& options) {

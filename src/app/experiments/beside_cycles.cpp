@@ -17,7 +17,6 @@
 #include "app/experiments/trial_command.h"
 #include "app/files/file_io.h"
 #include "app/files/temporary_folder.h"
-#include "app/options/option_text.h"
 #include "app/options/usage_error.h"
 #include "app/system/interrupt.h"
 #include "app/system/program.h"
@@ -64,7 +63,7 @@ void check(const TrialOptions& options) {
     for (const auto& [name, words] : options.render.said)
         if (std::ranges::find(known, name) == known.end())
             throw UsageError("--beside cycles and " + name + ": Cycles' picture would not follow it");
-    if (quantisers_from(options.quantisers.value_or("4")).empty())
+    if (options.quantisers && options.quantisers->empty())
         throw UsageError("--beside cycles and --quantisers none: there is nothing to compare");
     if (options.blender) use_blender(*options.blender);
     if (!is_installed("ffmpeg"))
@@ -96,7 +95,7 @@ json order_of(const TrialOptions& options, const RenderJob& film, const std::vec
                         {{"--codec", codec}, {"--exposure", fmt::format("{}", film.exposure.value_or(0))}});
     render[0] = core::program_file().string();
     json windows = json::array();
-    for (const Chunk& window : windows_by_shot(film, sample_from(options.sample.value_or("3x3"))))
+    for (const Chunk& window : windows_by_shot(film, options.sample.value_or(SampleExtent{3, 3})))
         windows.push_back({window.first, window.last});
     const Size size = small_size(film, options.render);
     return {{"scene", std::filesystem::absolute(options.render.input).string()},
@@ -104,7 +103,7 @@ json order_of(const TrialOptions& options, const RenderJob& film, const std::vec
             {"codec", codec},
             {"size", {size.width, size.height}},
             {"windows", windows},
-            {"quantisers", quantisers_from(options.quantisers.value_or("4"))},
+            {"quantisers", options.quantisers.value_or(std::vector{4})},
             {"samples", {8, 32, 128}},
             {"most_samples", most_samples},
             {"truth_samples", truth_samples},

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "app/experiments/beside_cycles.h"
 #include "app/experiments/comparison.h"
@@ -13,7 +14,6 @@
 #include "app/experiments/trial_command.h"
 #include "app/files/file_io.h"
 #include "app/files/temporary_folder.h"
-#include "app/options/option_text.h"
 #include "app/system/interrupt.h"
 #include "app/system/program.h"
 #include "app/system/terminal.h"
@@ -167,7 +167,7 @@ class Comparing {
 Comparing::Comparing(const TrialOptions& options, const RenderJob& film, const SampleExtent& sample,
                      const std::string& ffmpeg)
     : options_(options),
-      quantisers_(in_scale_of(film.coding.codec, quantisers_from(options.quantisers.value_or(usual_quantisers)))),
+      quantisers_(in_scale_of(film.coding.codec, options.quantisers.value_or(std::vector{2, 4, 8, 16}))),
       trials_(film, middle_windows(film, sample.windows, sample.frames), options.references.value_or(4)) {
     trials_.mask_all();
     trials_.weigh_by_solid_angle();
@@ -257,13 +257,13 @@ int compare(const TrialOptions& options, const std::vector<std::string>& words) 
     if (options.beside) return compare_beside_cycles(options, words);
     const parallel::ThreadLimit threads(options.render.threads);
     const InterruptGuard guard(options.render.quiet);
-    if (quantisers_from(options.quantisers.value_or(usual_quantisers)).size() < 2)
-        throw core::Error("quantisers " + *options.quantisers + ": curves need two or more");
+    if (options.quantisers && options.quantisers->size() < 2)
+        throw core::Error(options.render.as_said("--quantisers") + ": curves need two or more");
     const std::string ffmpeg = ffmpeg_version();
     const RenderJob film = prepare_trials(options.render, options);
     std::optional<Comparing> comparing;
     if (!InterruptGuard::requested()) {
-        comparing.emplace(options, film, sample_from(options.sample.value_or("1x15")), ffmpeg);
+        comparing.emplace(options, film, options.sample.value_or(SampleExtent{1, 15}), ffmpeg);
         comparing->run();
     }
     if (!comparing || comparing->found().ways[coupled_way].rows.empty())

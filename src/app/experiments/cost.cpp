@@ -13,7 +13,6 @@
 #include "app/experiments/trial_command.h"
 #include "app/files/file_io.h"
 #include "app/loop/forecast.h"
-#include "app/options/option_text.h"
 #include "app/system/interrupt.h"
 #include "app/system/terminal.h"
 #include "core/numeric.h"
@@ -32,7 +31,7 @@ struct Setting {
 /// From cheap to dear within each group.
 std::vector<Setting> settings_of(const TrialOptions& options, const RenderJob& film) {
     std::vector<Setting> all;
-    for (const float share : percents_from(options.tolerances))
+    for (const float share : options.tolerances)
         all.push_back(
             {Sweep::fixed, fmt::format("fixed={:.4g}%", 100 * share), with_tolerance(film, fixed_tolerance(share))});
     all.push_back({Sweep::coupled, "coupled", film});
@@ -58,7 +57,7 @@ void fit_sample(const TrialOptions& options, const RenderJob& film, double first
     // coupled light at quantiser 4; efforts; and references with their truth.
     constexpr double of_tolerance = 0.065, of_efforts = 2.6, of_reference = 14;
     double settings = 1 + of_efforts;
-    for (const float share : percents_from(options.tolerances)) settings += of_tolerance / static_cast<double>(share);
+    for (const float share : options.tolerances) settings += of_tolerance / static_cast<double>(share);
     const auto takes = [&](const SampleExtent& s) {
         return s.windows * (settings * (first + (s.frames - 1) * frame) + of_reference * frame);
     };
@@ -73,10 +72,10 @@ void fit_sample(const TrialOptions& options, const RenderJob& film, double first
 /// Forecast of the film, and a sample that --within has time for. None after an interruption.
 std::optional<CostSample> first_answer(const TrialOptions& options, RenderJob& film) {
     if (options.sample) {
-        const SampleExtent sample = sample_from(*options.sample);
+        const SampleExtent sample = *options.sample;
         return CostSample{sample, 1, std::min(sample.frames, 3), {}};
     }
-    const double within = time_in_seconds(options.within);
+    const double within = options.within;
     // chosen: ten seconds are waited for.
     std::optional<Forecast> found = forecast(film, {}, std::min(10.0, 0.2 * within), options.render.quiet);
     if (!found) return {};
@@ -147,8 +146,8 @@ bool Cost::try_effects(double limit) {
         asked_, sample_.effect_frames, limit, is_quiet(),
         [&](const EffectCost& cost, bool is_first) { log((is_first ? effects_heading() : "") + effect_row(cost)); });
     if (sweep_.effects.left > 0 && !InterruptGuard::requested())
-        log(fmt::format("\n{} effects were not left out: --within {} has no time for them\n", sweep_.effects.left,
-                        options_.within));
+        log(fmt::format("\n{} effects were not left out: {} has no time for them\n", sweep_.effects.left,
+                        options_.render.as_said("--within")));
     return !InterruptGuard::requested();
 }
 
@@ -157,7 +156,7 @@ bool Cost::run(double began) {
     if (sweep_.rows.empty()) return false;
     // An explicit sample has no time limit.
     const double limit = options_.sample ? std::numeric_limits<double>::infinity()
-                                         : std::max(began + time_in_seconds(options_.within), clock_seconds() + 5);
+                                         : std::max(began + options_.within, clock_seconds() + 5);
     sweep_.complete = whole && try_effects(limit);
     return true;
 }

@@ -223,10 +223,6 @@ RenderJob with_tolerance(RenderJob film, const ToleranceRequest& tolerance) {
     return film;
 }
 
-ToleranceRequest fixed_tolerance(float share) {
-    return {false, share, false, {}, {}};
-}
-
 std::string trial_heading(const Trials& trials) {
     const RenderJob& film = trials.film();
     std::string text =

@@ -76,7 +76,6 @@ auto told(const std::string& name, bool quiet, Work&& work) {
 }
 
 RenderJob with_tolerance(RenderJob film, const ToleranceRequest& tolerance);
-ToleranceRequest fixed_tolerance(float share);
 
 /// "film: 3 frames of 320x180 in 1 window; 1 by ... as reference, 2 s of CPU each"
 std::string trial_heading(const Trials& trials);

@@ -205,9 +205,9 @@ Target target_of(const TrialOptions& o) {
     const bool worst = o.of == "worst-tenth";
     if (o.psnr) asked.push_back({Kind::psnr, *o.psnr, worst});
     if (o.ssim) asked.push_back({Kind::ssim, *o.ssim, worst});
-    if (o.bitrate) asked.push_back({Kind::bitrate, static_cast<double>(bits_from(*o.bitrate, "target-bitrate"))});
-    if (o.size) asked.push_back({Kind::size, size_in_bytes(*o.size)});
-    if (o.time) asked.push_back({Kind::time, time_in_seconds(*o.time)});
+    if (o.bitrate) asked.push_back({Kind::bitrate, static_cast<double>(*o.bitrate)});
+    if (o.size) asked.push_back({Kind::size, *o.size});
+    if (o.time) asked.push_back({Kind::time, *o.time});
     if (asked.size() != 1)
         throw UsageError(
             "tune: what is to be reached? Give one of --target-psnr, --target-ssim, --target-bitrate, --max-size and "
@@ -286,8 +286,8 @@ class TuneCommand {
 };
 
 SampleExtent TuneCommand::sample_of(const RenderJob& film) const {
-    if (options_.sample) return sample_from(*options_.sample);
-    if (tuning_.target.kind == Kind::time) return sample_from("2x3");
+    if (options_.sample) return *options_.sample;
+    if (tuning_.target.kind == Kind::time) return {2, 3};
     // chosen: 15 frames: I pictures count by the film's GOPs, and others are alike (9..60); and what is lit twice or
     // three times may not be more than an eighth of the film, so that tuning takes less than half its time.
     const auto eighth = static_cast<int>(std::clamp<std::int64_t>(film.frame_count() / 8, 4, 1000));
@@ -357,8 +357,8 @@ int TuneCommand::make(const RenderFilm& render_film) {
     render_options.overwrite = true;  // that was settled before anything was tried
     for (const auto& [name, value] : tuning_.options) {
         if (name == "--quality") render_options.coding.quality = std::stod(value);
-        if (name == "--bitrate") render_options.coding.bitrate = value;
-        if (name == "--tolerance") render_options.tolerance = value;
+        if (name == "--bitrate") render_options.coding.bitrate = std::stoll(value);
+        if (name == "--tolerance") render_options.tolerance = tolerance_from(value);
         if (name == "--loss") render_options.loss = std::stod(value);
         if (name == "--samples") render_options.samples = std::stoi(value);
         if (name == "--vpls") render_options.vpls = std::stoi(value);

@@ -185,7 +185,7 @@ RenderOptions options_of(const FarmPlan& plan) {
                       error.message() + "; are the film's inputs on this machine? `farm --pack` takes them along");
     try {
         RenderOptions options = parse(plan.words).render;
-        options.isa = plan.facts->at("identity").at("instruction set").get<std::string>();
+        options.isa = core::isa_from(plan.facts->at("identity").at("instruction set").get<std::string>());
         return options;
     } catch (const UsageError& error) {
         // Nobody typed it now.

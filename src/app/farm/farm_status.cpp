@@ -15,7 +15,6 @@
 #include "app/files/file_io.h"
 #include "app/files/work_folder.h"
 #include "app/loop/hire.h"
-#include "app/options/option_text.h"
 #include "app/options/usage_error.h"
 #include "app/system/progress.h"
 #include "app/system/terminal.h"
@@ -78,7 +77,7 @@ PartStanding standing_of(const FarmPlan& plan, const FilmPart& part, const Spent
 }
 
 /// CPU spent on what is finished, that of the plan too, and what the forecast says of what is left, at that pace.
-std::string money_text(const FarmPlan& plan, const Spent& counted, const std::optional<std::string>& price) {
+std::string money_text(const FarmPlan& plan, const Spent& counted, const std::optional<Price>& price) {
     if (counted.frames == 0) return {};
     const double planned = plan.facts->at("cost").at("cpu").get<double>(),
                  all = std::reduce(plan.shares.begin(), plan.shares.end()),
@@ -87,7 +86,7 @@ std::string money_text(const FarmPlan& plan, const Spent& counted, const std::op
                        cost_text(price, 1, left / 3600));
 }
 
-std::string status_text(const FarmPlan& plan, const std::optional<std::string>& price) {
+std::string status_text(const FarmPlan& plan, const std::optional<Price>& price) {
     std::string parts, counted;
     std::vector<std::string> words;
     std::int64_t done = 0, total = 0;
@@ -126,8 +125,7 @@ std::string status_text(const FarmPlan& plan, const std::optional<std::string>& 
 
 int farm_status(const PartOptions& options) {
     const FarmPlan plan = read_plan(options.plan);
-    if (options.price && !price_from(*options.price).of_core)
-        throw UsageError("--price " + *options.price + ": what was spent is counted in core-hours");
+    if (options.price && !options.price->of_core) throw UsageError("--price: what was spent is counted in core-hours");
     if (options.pieces && !plan.is_joined())
         for (const std::string& line : take_pieces(plan, plan.parts, *options.pieces)) print_line(line);
     if (options.left) {

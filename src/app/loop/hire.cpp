@@ -11,7 +11,6 @@
 #include <utility>
 
 #include "app/loop/chunk_shares.h"
-#include "app/options/option_text.h"
 #include "app/system/progress.h"
 #include "core/text.h"
 #include "parallel/loops.h"
@@ -60,10 +59,10 @@ Spreading best_spreading(const std::vector<double>& chunks, double once, int cor
 
 }  // namespace
 
-std::string cost_text(const std::optional<std::string>& price, int cores, double core_hours) {
+std::string cost_text(const std::optional<Price>& price, int cores, double core_hours) {
     const std::string hours = fmt::format("{:.3g} core-hours", core_hours);
     if (!price) return hours;
-    const double cost = core_hours * price_from(*price).of_core_hour(cores);
+    const double cost = core_hours * price->of_core_hour(cores);
     return hours + (cost < 1 ? fmt::format(", {:.2g}", cost) : fmt::format(", {:.2f}", cost));
 }
 

@@ -16,7 +16,7 @@ inline constexpr int threads_of_chunk = 4;
 
 /// "12.3 core-hours, 0.49": without an amount where no price is known, as that of a core-hour or a machine of so many
 /// cores.
-std::string cost_text(const std::optional<std::string>& price, int cores, double core_hours);
+std::string cost_text(const std::optional<Price>& price, int cores, double core_hours);
 
 /// How many times as fast one chunk is made by so many threads.
 double speed_up(int threads);

@@ -11,7 +11,6 @@
 
 #include "app/loop/scene_settings.h"
 #include "app/options/mistakes.h"
-#include "app/options/option_text.h"
 #include "app/options/usage_error.h"
 #include "app/system/interrupt.h"
 #include "app/system/progress.h"
@@ -83,7 +82,7 @@ renderer::Settings rendering_settings(const RenderOptions& options, const scene:
     // chosen: of 1000 to 8000 clusters the least with which at 2 % no point stops early
     // (docs/measurements.md#lightcuts).
     settings.max_cut = 4000;
-    settings.isa = options.isa ? core::isa_from(*options.isa) : core::detect_isa();
+    settings.isa = options.isa.value_or(core::detect_isa());
     return settings;
 }
 
@@ -111,8 +110,8 @@ CouplingSettings coupling_settings(const RenderOptions& options, const Tolerance
 
 ShapeWishes wishes_of(const RenderOptions& options, const scene::Animation& animation) {
     ShapeWishes wishes = shape_wishes(options.coding);
-    if (options.size) wishes.size = size_from(*options.size);
-    if (options.rate) wishes.rate = core::frame_rate_from(*options.rate);
+    if (options.size) wishes.size = *options.size;
+    if (options.rate) wishes.rate = *options.rate;
     wishes.source = animation.source;
     if (animation.size) wishes.source_size = Size{animation.size->x, animation.size->y};
     if (animation.frame_rate) wishes.source_rate = core::frame_rate_from(*animation.frame_rate);
@@ -133,8 +132,7 @@ ShapeWishes wishes_of(const RenderOptions& options, const scene::Animation& anim
 }
 
 std::optional<float> exposure_of(const RenderOptions& options, const scene::Animation& animation) {
-    if (options.exposure != "auto") return static_cast<float>(std::atof(options.exposure.c_str()));
-    return animation.exposure;
+    return options.exposure ? options.exposure : animation.exposure;
 }
 
 void settle_display(RenderJob& film, const RenderOptions& options) {
@@ -294,10 +292,12 @@ void settle_tolerance(RenderJob& film, const RenderOptions& options) {
     const bool coded = film.kind == OutputKind::film;
     const encoder::CodecFacts& codec = encoder::facts_of(codec_of(options.coding, options.output));
     const bool master = coded && codec.master;
-    film.tolerance = tolerance_from(options.tolerance.value_or(master ? "fixed=1%" : coded ? "coupled" : "fixed=2%"));
+    film.tolerance = options.tolerance.value_or(master  ? fixed_tolerance(0.01f)
+                                                : coded ? coupled_tolerance()
+                                                        : fixed_tolerance(0.02f));
     film.tolerance.loss = options.loss.value_or(usual_loss);
     if (options.is_given("--loss") && film.tolerance.fraction)
-        throw UsageError("--loss: --tolerance " + *options.tolerance + " says how far light errs; give one of both");
+        throw UsageError("--loss: " + options.as_said("--tolerance") + " says how far light errs; give one of both");
     film.coupling = coupling_settings(options, film.tolerance);
     if (film.tolerance.coupled && (!coded || master))
         throw UsageError(
@@ -351,7 +351,7 @@ RenderJob prepare(const RenderOptions& wanted) {
 
     // Fill the gaps: command line, animation file, defaults.
     const FrameRange whole = frames_of(*animation, film.rate);
-    film.frames = options.frames ? frames_from(*options.frames) : whole;
+    film.frames = options.frames.value_or(whole);
     // A still scene has any length.
     if (!options.hold && (animation->last_frame || animation->duration > 0)) refuse_outside(film.frames, whole);
     film.pixel_aspect = shape.pixel_aspect;
@@ -367,7 +367,7 @@ RenderJob prepare(const RenderOptions& wanted) {
 
     film.coding = coding_settings(options.coding, of_all, film.frames.first, options.output, film.view);
     if (film.kind == OutputKind::film) describe_view(*loaded, options, film.coding);
-    film.coding.grain = options.grain ? grain_from(*options.grain) : animation->grain;
+    film.coding.grain = options.grain.value_or(animation->grain);
     film.rendering.mattes = options.layers || film.has_alpha() || has_alpha_beside(film, options);
     film.keyframes = keyframes_of(options.coding);
     film.two_passes = film.kind == OutputKind::film && two_passes(options.coding);
@@ -389,7 +389,7 @@ RenderJob draft_of(const RenderJob& film) {
     draft.two_passes = false;
     draft.audit = 0;
     draft.allocations.clear();
-    draft.tolerance = tolerance_from(*usual.tolerance);
+    draft.tolerance = *usual.tolerance;
     draft.rendering.samples = usual.samples;
     draft.rendering.edge_samples = *usual.edge_samples;
     draft.rendering.most_samples = 0;

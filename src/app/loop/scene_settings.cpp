@@ -8,7 +8,6 @@
 #include <string_view>
 #include <vector>
 
-#include "app/options/option_text.h"
 #include "app/options/usage_error.h"
 #include "app/system/interrupt.h"
 #include "app/system/progress.h"
@@ -73,22 +72,22 @@ double mpeg2_quantiser(const RenderJob& film, int quantiser) {
 }
 
 void set_f_stop(scene::Animation& animation, const RenderOptions& options) {
-    const float f_stop = f_stop_from(*options.f_stop);
+    const float f_stop = *options.f_stop;
     forget_tracks(animation, scene::TrackTarget::f_stop);
     for (scene::CameraLens& lens : animation.cameras) {
         if (f_stop > 0 && lens.is_panorama())
-            throw UsageError("--f-stop " + *options.f_stop + ": a panorama has no lens, all of it is sharp");
+            throw UsageError(options.as_said("--f-stop") + ": a panorama has no lens, all of it is sharp");
         lens.f_stop = f_stop;
         if (f_stop > 0 && !has_focus(lens))
-            throw UsageError("--f-stop " + *options.f_stop +
+            throw UsageError(options.as_said("--f-stop") +
                              ": nothing says what is in focus; give --focus a distance or an object's name");
     }
 }
 
 void set_exposure(scene::Animation& animation, const RenderOptions& options) {
     if (options.shutter) {
-        const ShutterRequest shutter = shutter_from(*options.shutter);
-        animation.shutter = {shutter.angle, shutter.phase, shutter.rolling};
+        const auto [angle, phase, rolling] = *options.shutter;
+        animation.shutter = {angle, phase, rolling};
     }
     if (options.focus) set_focus(animation, *options.focus);
     if (options.f_stop) set_f_stop(animation, options);
@@ -101,8 +100,7 @@ void set_exposure(scene::Animation& animation, const RenderOptions& options) {
         animation.notes.emplace_back("--exposure-samples does nothing here: neither shutter nor lens blur anything");
 }
 
-void set_glare(scene::Animation& animation, const std::string& given) {
-    const GlareRequest asked = glare_from(given);
+void set_glare(scene::Animation& animation, const GlareRequest& asked) {
     core::Glare& glare = animation.glare;
     glare.kind = asked.kind;
     if (asked.strength) glare.strength = *asked.strength;
@@ -110,8 +108,8 @@ void set_glare(scene::Animation& animation, const std::string& given) {
     if (asked.kind == core::GlareKind::off || asked.strength || glare.strength > 0) return;
     glare.strength = core::Glare{}.strength;
     animation.notes.push_back(
-        fmt::format("--glare {}: the file's glare has strength 0; it is {} now (--glare {}:STRENGTH)", given,
-                    glare.strength, given));
+        fmt::format("--glare {0}: the file's glare has strength 0; it is {1} now (--glare {0}:STRENGTH)",
+                    core::glare_names[static_cast<std::size_t>(asked.kind)], glare.strength));
 }
 
 /// In smaller pictures too few pixels lie between edges of light. chosen: docs/measurements.md#irradiance-cache.
@@ -125,7 +123,7 @@ scene::DefaultLight light_of(const std::string& word) {
 /// Last frame that a film is asked for, where its frames surely count at the file's own rate.
 std::optional<std::int64_t> last_frame_of(const RenderOptions& options) {
     if (!options.frames || options.rate || options.coding.preset) return std::nullopt;
-    return frames_from(*options.frames).last;
+    return options.frames->last;
 }
 
 }  // namespace
@@ -137,7 +135,7 @@ scene::LoadOptions load_options_of(const RenderOptions& options) {
     out.sky = options.sky;
     out.variant = options.variant;
     out.light = light_of(options.light);
-    if (options.size) out.lines = size_from(*options.size).height;
+    if (options.size) out.lines = options.size->height;
     out.last_frame = last_frame_of(options);
     out.stops = &InterruptGuard::requested;
     out.tells = [](const std::string& step) { tell_activity("Blender exports the scene: " + step); };
@@ -254,7 +252,7 @@ void describe_view(scene::Animation& animation, const RenderOptions& options, en
 
 void change_scene(scene::Animation& animation, const RenderOptions& options) {
     set_exposure(animation, options);
-    if (options.fog) animation.fog.visibility = fog_from(*options.fog);
+    if (options.fog) animation.fog.visibility = *options.fog;
     if (options.glare) set_glare(animation, *options.glare);
     if (options.transparent) animation.transparent = *options.transparent == "on";
 }

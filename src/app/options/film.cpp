@@ -55,7 +55,7 @@ RenderOptions with_effort(const RenderOptions& options) {
     const bool coded = options.output.empty() || kind_of(options.output) == OutputKind::film;
     const bool master = coded && encoder::facts_of(codec_of(options.coding, options.output)).master;
     if (!options.tolerance && (!coded || master))
-        changed.tolerance = fmt::format("fixed={:g}%", (master ? 50 : 100) * effort.fixed);
+        changed.tolerance = fixed_tolerance((master ? 0.5f : 1.0f) * effort.fixed);
     if (!options.loss) changed.loss = effort.loss;
     if (options.is_given("--samples") || options.edge_samples) return changed;
     changed.samples = effort.samples;
@@ -65,12 +65,8 @@ RenderOptions with_effort(const RenderOptions& options) {
 
 RenderOptions preview_options(const RenderOptions& options) {
     RenderOptions draft = options;
-    if (options.tolerance) {
-        const ToleranceRequest tolerance = tolerance_from(*options.tolerance);
-        if (tolerance.coupled || tolerance.reference)
-            refuse_preview(options, "--tolerance " + *options.tolerance,
-                           "light is rough; choose fixed=P%, or a whole film");
-    }
+    if (options.tolerance && (options.tolerance->coupled || options.tolerance->reference))
+        refuse_preview(options, options.as_said("--tolerance"), "light is rough; choose fixed=P%, or a whole film");
     if (options.audit > 0) refuse_preview(options, "--audit", "no tolerance is kept that could be audited");
     if (options.layers) refuse_preview(options, "--aov", "there are no layers");
     if (options.cache == "on")
@@ -80,7 +76,7 @@ RenderOptions preview_options(const RenderOptions& options) {
             refuse_preview(options, "--heatmap " + subject, "only `quantiser` is known");
 
     // fit: docs/measurements.md#drafts, by PSNR for CPU time.
-    if (!options.tolerance) draft.tolerance = "fixed=30%";
+    if (!options.tolerance) draft.tolerance = fixed_tolerance(0.3f);
     if (!options.is_given("--samples")) draft.samples = 1;
     if (!options.is_given("--edge-samples")) draft.edge_samples = options.is_given("--samples") ? options.samples : 4;
     if (!options.is_given("--vpls")) draft.vpls = 16384;
@@ -126,10 +122,10 @@ void apply_rates(const Preset& preset, const CodingOptions& options, encoder::Se
     encoder::RateControl& rate = coding.rate_control;
     const std::int64_t most = std::max(rate.bit_rate, rate.max_rate);
     if (most > std::min(preset.bit_rate, level.bit_rate))
-        throw UsageError(
-            fmt::format("{}: {} takes at most {} bits per second",
-                        options.maxrate ? "--maxrate " + *options.maxrate : "--bitrate " + *options.bitrate,
-                        preset.option(), std::min(preset.bit_rate, level.bit_rate)));
+        throw UsageError(fmt::format("{}: {} takes at most {} bits per second",
+                                     options.maxrate ? fmt::format("--maxrate {}", *options.maxrate)
+                                                     : fmt::format("--bitrate {}", *options.bitrate),
+                                     preset.option(), std::min(preset.bit_rate, level.bit_rate)));
     if (rate.max_rate == 0 && rate.mode != encoder::RateMode::constant)
         rate.max_rate = std::max(rate.bit_rate, std::min(preset.usual_rate, level.bit_rate));
 
@@ -188,10 +184,10 @@ encoder::RateControl rate_control(const CodingOptions& options) {
     }
     if (options.bitrate) {
         rate.mode = options.constant_rate ? encoder::RateMode::constant : encoder::RateMode::variable;
-        rate.bit_rate = bits_from(*options.bitrate, "bitrate");
+        rate.bit_rate = *options.bitrate;
     }
-    if (options.maxrate) rate.max_rate = bits_from(*options.maxrate, "maxrate");
-    if (options.vbv) rate.buffer_bits = bits_from(*options.vbv, "vbv");
+    if (options.maxrate) rate.max_rate = *options.maxrate;
+    if (options.vbv) rate.buffer_bits = *options.vbv;
     return rate;
 }
 
@@ -318,7 +314,7 @@ std::vector<int> in_scale_of(encoder::Codec codec, std::vector<int> quantisers) 
 }
 
 core::View view_of(const FilmOptions& options, const core::View& own) {
-    core::View view = options.view ? core::View{core::view_from(*options.view)} : own;
+    core::View view = options.view ? core::View{*options.view} : own;
     view.peak = static_cast<float>(options.peak.value_or(static_cast<int>(view.peak)));
     return view;
 }
@@ -368,10 +364,10 @@ encoder::Settings coding_settings(const CodingOptions& options, const Shape& sha
     coding.tune = tune_of(options, coding.codec);
     coding.effort = options.encoder == "fast" ? encoder::Effort::fast : encoder::Effort::quality;
     if (options.level) {
-        coding.level = level_from(*options.level);
+        coding.level = *options.level;
         if (coding.codec == encoder::Codec::mpeg2)
-            throw UsageError("--level " + *options.level +
-                             ": MPEG-2's follows from size and rate; choose --codec h264");
+            throw UsageError(fmt::format("--level {:.1f}: MPEG-2's follows from size and rate; choose --codec h264",
+                                         0.1 * *options.level));
     }
     coding.pixel_aspect = shape.pixel_aspect;
     coding.aspect_ratio_code = shape.aspect_ratio_code;

@@ -11,7 +11,7 @@ OptionRow::OptionRow(const char* names, const char* group, Member member, const 
         void operator()(const char* values) const { row.values = values; }
         void operator()(Words words) const { row.words = words.all; }
         void operator()(Range range) const { row.range = range; }
-        void operator()(Check check) const { row.check = check; }
+        void operator()(const Parser& parser) const { row.parser = parser; }
         void operator()(Shown /*its default*/) const { row.is_shown = true; }
         void operator()(ShownAs shown) const { row.shown_as = shown.text; }
         void operator()(Required /*always*/) const { row.is_required = true; }
@@ -22,6 +22,10 @@ OptionRow::OptionRow(const char* names, const char* group, Member member, const 
     };
     for (const Mark* mark : {&first, &second, &third, &fourth}) std::visit(Note{*this}, *mark);
 }
+
+OptionRow::OptionRow(const char* names, const char* group, Parser parser, const char* text, const Mark& first,
+                     const Mark& second, const Mark& third)
+    : OptionRow(names, group, Member(), text, std::move(parser), first, second, third) {}
 
 std::string OptionRow::id() const {
     const std::string all = names;

@@ -2,6 +2,7 @@
 // A row of the table of options: names, place in --help, member, values, text, and when the option is idle.
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -21,8 +22,8 @@ struct Range {
     double low = 0, high = 0;  ///< both included
     bool is_whole = false;     ///< of whole numbers
 };
-/// Throws core::Error where the text is no value of this option, named without dashes.
-using Check = void (*)(const std::string& text, const std::string& option);
+/// Takes the text of an option, named without dashes. Throws core::Error where it is no value of it.
+using Parser = std::function<void(const std::string& text, const std::string& option)>;
 /// The default is part of the help, or this text is; the option must be given; not with another one, or only with it;
 /// it takes no more than its own two words.
 struct Shown {};
@@ -37,20 +38,23 @@ struct With {
     const char* other;
 };
 struct TwoWords {};
-using Mark = std::variant<std::monostate, const char*, Words, Range, Check, Shown, ShownAs, Required, NotWith, With,
+using Mark = std::variant<std::monostate, const char*, Words, Range, Parser, Shown, ShownAs, Required, NotWith, With,
                           TwoWords, Idle>;
 
 /// One option of some commands: data alone, which options.cpp gives to CLI11. Texts outlive it.
 struct OptionRow {
-    /// Where the value goes; a bool is a flag.
-    using Member = std::variant<bool*, int*, double*, std::string*, std::filesystem::path*, std::optional<int>*,
-                                std::optional<std::int64_t>*, std::optional<float>*, std::optional<double>*,
-                                std::optional<std::string>*, std::optional<std::filesystem::path>*,
-                                std::vector<std::pair<std::string, std::string>>*>;
+    /// Where the value goes; a bool is a flag; none: the parser knows.
+    using Member =
+        std::variant<std::monostate, bool*, int*, double*, std::string*, std::filesystem::path*, std::optional<int>*,
+                     std::optional<std::int64_t>*, std::optional<float>*, std::optional<double>*,
+                     std::optional<std::string>*, std::optional<std::filesystem::path>*,
+                     std::vector<std::pair<std::string, std::string>>*>;
 
     /// `names`: as CLI11 takes them, and @COMMAND where another row has the same. `group`: of --help; empty: the first.
     OptionRow(const char* names, const char* group, Member member, const char* text, const Mark& first = {},
               const Mark& second = {}, const Mark& third = {}, const Mark& fourth = {});
+    OptionRow(const char* names, const char* group, Parser parser, const char* text, const Mark& first = {},
+              const Mark& second = {}, const Mark& third = {});
 
     /// As commands list it: the last name, with @COMMAND; and without.
     std::string id() const;
@@ -60,7 +64,7 @@ struct OptionRow {
     Member member;
     const char *values = "", *words = "", *shown_as = "", *with = "";  ///< empty: none
     std::optional<Range> range;
-    Check check = nullptr;
+    Parser parser;  ///< sets a member of another type than those of `Member`, or only checks; empty: none
     std::vector<std::string> not_with;
     bool is_shown = false, is_required = false, is_two_words = false;
     Idle idle = Idle::never;

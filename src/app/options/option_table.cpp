@@ -2,8 +2,6 @@
 
 #include <fmt/ranges.h>
 
-#include <cmath>
-#include <cstdlib>
 #include <type_traits>
 
 #include "app/options/film.h"
@@ -24,20 +22,16 @@ constexpr const char *scene = "Scene", *picture = "Picture and time", *light = "
                      *sound = "Sound", *run = "Run", *tried = "What is tried", *farm = "Farm",
                      *target = "What is to be reached (one of these)";
 
-void check_exposure(const std::string& text, const std::string& /*option*/) {
-    char* end = nullptr;
-    if (text == "auto") return;
-    const double ev = std::strtod(text.c_str(), &end);
-    if (text.empty() || *end != '\0' || !std::isfinite(ev) || std::abs(ev) > 64)
-        throw UsageError("exposure " + text + ": expected `auto` or a number of EV from -64 to 64, e.g. -1.5");
-}
-
 template <auto read>
 void reads(const std::string& text, const std::string& /*option*/) {
     read(text);
 }
-void reads_bits(const std::string& text, const std::string& option) {
-    bits_from(text, option);
+template <auto read, class Value>
+Parser into(Value& member) {
+    return [&member](const std::string& text, const std::string& /*option*/) { member = read(text); };
+}
+Parser into_bits(std::optional<std::int64_t>& member) {
+    return [&member](const std::string& text, const std::string& option) { member = bits_from(text, option); };
 }
 
 template <class Number>
@@ -116,67 +110,66 @@ Rows time_rows(CommandLine& line) {
         {"--preview", picture, &o.preview,
          "A draft of every frame, in minutes: half the size unless --size is given, rough light, coded fast; timing, "
          "framing, light and cuts are the film's (docs/pictures.md)"},
-        {"-s,--size", picture, &o.size,
+        {"-s,--size", picture, into<size_from>(o.size),
          "Picture size (default: the animation file's; 640 pixels along the longer side of the camera's shape; 512x512 "
          "where neither says anything)",
-         "WxH", reads<size_from>},
-        {"-r,--fps", picture, &o.rate,
+         "WxH"},
+        {"-r,--fps", picture, into<core::frame_rate_from>(o.rate),
          "Pictures per second (default: the animation file's, that of glTF's keys, or 25)",
-         "23.976|24|25|29.97|30|50|59.94|60", reads<core::frame_rate_from>},
-        {"-r,--fps@encode", picture, &o.rate, "Pictures per second (default: the Y4M file's, or 25)",
-         "23.976|24|25|29.97|30|50|59.94|60", reads<core::frame_rate_from>},
-        {"--frames", picture, &o.frames,
-         "First and last frame, counted from 0, both included (default: the whole film)", "A:B", reads<frames_from>},
-        {"--frames@encode", picture, &o.frames,
+         "23.976|24|25|29.97|30|50|59.94|60"},
+        {"-r,--fps@encode", picture, into<core::frame_rate_from>(o.rate),
+         "Pictures per second (default: the Y4M file's, or 25)", "23.976|24|25|29.97|30|50|59.94|60"},
+        {"--frames", picture, into<frames_from>(o.frames),
+         "First and last frame, counted from 0, both included (default: the whole film)", "A:B"},
+        {"--frames@encode", picture, into<frames_from>(o.frames),
          "First and last frame, both included: numbers of the images, or places in the Y4M file from 0 (default: all)",
-         "A:B", reads<frames_from>},
+         "A:B"},
         {"--hold", picture, &o.hold,
          "Frames outside the film are wanted: they hold what its end, or its beginning, shows", Idle::always},
-        {"--display-aspect", picture, &o.coding.display_aspect,
+        {"--display-aspect", picture, into<core::ratio_from>(o.coding.display_aspect),
          "Shape of the whole picture as shown, e.g. 16:9 (default: as the animation file or the frames say, else of "
          "square pixels)",
-         "W:H", reads<core::ratio_from>},
-        {"--pixel-aspect", picture, &o.coding.pixel_aspect, "Shape of a pixel instead, e.g. 16:15", "W:H",
-         reads<core::ratio_from>, NotWith{"--display-aspect"}},
+         "W:H"},
+        {"--pixel-aspect", picture, into<core::ratio_from>(o.coding.pixel_aspect),
+         "Shape of a pixel instead, e.g. 16:15", "W:H", NotWith{"--display-aspect"}},
     };
 }
 
 Rows picture_rows(CommandLine& line) {
     RenderOptions& o = line.render;
     return {
-        {"--exposure", picture, &o.exposure, "EV, or `auto`: one value for the film", "auto|EV", check_exposure,
-         Shown(), Idle::unexposed},
+        {"--exposure", picture, into<exposure_from>(o.exposure), "EV, or `auto`: one value for the film", "auto|EV",
+         ShownAs{"auto"}, Idle::unexposed},
         {"--exposure@encode", picture, &line.encode.exposure, "EV for scene-linear frames (default: 0)",
          range(-64.0f, 64.0f)},
-        {"--shutter", picture, &o.shutter,
+        {"--shutter", picture, into<shutter_from>(o.shutter),
          "How long each frame is exposed, in degrees of a frame's time: 180 is half of it, 0 none; and where the "
          "middle of that time lies from the frame's own, in frames, -0.5 to 0.5; and how much later the last row is "
          "exposed than the first, 0 to 1 (default: the animation file's or the .blend's, or 0)",
-         "ANGLE[:PHASE[:ROLLING]]", reads<shutter_from>},
-        {"--f-stop", picture, &o.f_stop,
+         "ANGLE[:PHASE[:ROLLING]]"},
+        {"--f-stop", picture, into<f_stop_from>(o.f_stop),
          "Aperture of all cameras: what is out of focus is blurred, more by smaller numbers; `off`: nothing is "
          "(default: the animation file's or the .blend's, or off)",
-         "NUMBER|off", reads<f_stop_from>},
+         "NUMBER|off"},
         {"--focus", picture, &o.focus,
          "What is in focus: a distance along the camera's axis, or the middle of the objects of a name",
          "DISTANCE|NAME"},
-        {"--fog", picture, &o.fog,
-         "Fog: off, or how far one sees in it, scene units (default: the animation file's, or off)", "off|DISTANCE",
-         reads<fog_from>},
-        {"--glare", picture, &o.glare,
+        {"--fog", picture, into<fog_from>(o.fog),
+         "Fog: off, or how far one sees in it, scene units (default: the animation file's, or off)", "off|DISTANCE"},
+        {"--glare", picture, into<glare_from>(o.glare),
          "What bright light does in an eye: off, static or temporal, and the share of light that is scattered, 0 to "
          "0.5 (default: the animation file's, or off)",
-         "KIND[:STRENGTH]", reads<glare_from>, Idle::undeveloped},
-        {"--view", picture, &o.view,
+         "KIND[:STRENGTH]", Idle::undeveloped},
+        {"--view", picture, into<core::view_from>(o.view),
          "What bright light becomes: `neutral`; as in Blender, also `filmic-high-contrast` and so on; or high dynamic "
          "range, pq or hlg in BT.2020 (default: the animation file's or the .blend's, or neutral)",
-         "neutral|standard|filmic|agx|pq|hlg", reads<core::view_from>, Idle::undeveloped},
-        {"--view@encode", picture, &o.view, "As for render; PNG frames keep their code values (default: neutral)",
-         "neutral|standard|filmic|agx|pq|hlg", reads<core::view_from>},
-        {"--grain", picture, &o.grain,
+         "neutral|standard|filmic|agx|pq|hlg", Idle::undeveloped},
+        {"--view@encode", picture, into<core::view_from>(o.view),
+         "As for render; PNG frames keep their code values (default: neutral)", "neutral|standard|filmic|agx|pq|hlg"},
+        {"--grain", picture, into<grain_from>(o.grain),
          "Grain of a film of this speed, 50 to 6400; AV1's decoders add it (default: the animation file's, or 0)",
-         "ISO", reads<grain_from>, Idle::undeveloped},
-        {"--grain@encode", picture, &o.grain, "As for render (default: 0, none)", "ISO", reads<grain_from>},
+         "ISO", Idle::undeveloped},
+        {"--grain@encode", picture, into<grain_from>(o.grain), "As for render (default: 0, none)", "ISO"},
         {"--peak", picture, &o.peak, "White of films in pq, cd/m2 (default: 1000)",
          range(static_cast<int>(core::least_peak), static_cast<int>(core::largest_peak)), Idle::undeveloped},
         {"--peak@encode", picture, &o.peak, "As for render",
@@ -212,13 +205,13 @@ Rows light_rows(CommandLine& line) {
          "Samples over the shutter and the lens of each pixel that they blur (default: by quantiser, what coding keeps "
          "of them; `plan` tells)",
          range(1, 1024)},
-        {"--tolerance", light, &o.tolerance,
+        {"--tolerance", light, into<tolerance_from>(o.tolerance),
          "Error allowed in a pixel's light. `coupled`: of what the film's coding and the eye hide as much as --loss "
          "allows; coupled=K: K times that, less in pictures that others are predicted from; fixed=P% of its "
          "luminance; `reference`: every light point and 4096 rays a point, slow; `truth`: paths of light instead of "
          "light points, as many as bring each pixel's standard error to 1% of its luminance, or truth=P%, very slow "
          "(default: coupled for films, fixed=1% for masters, fixed=2% for frames)",
-         "coupled|fixed=P%|reference|truth", reads<tolerance_from>},
+         "coupled|fixed=P%|reference|truth"},
         {"--loss", light, &o.loss,
          "PSNR-Y in dB that intra pictures may lose by the noise of their light: expected of a rough look at each "
          "chunk, "
@@ -256,10 +249,10 @@ Rows coding_rows(CommandLine& line) {
         {"--codec", coding, &o.codec,
          "mpeg2, h264, hevc, av1 (default: h264 in .mp4, .mov, .mkv, else mpeg2); for editors prores, dnxhr, ffv1 ...",
          "CODEC", Words{codecs.c_str()}, Idle::uncoded},
-        {"--level", coding, &o.level,
+        {"--level", coding, into<level_from>(o.level),
          "Level of H.264 or AV1 that the film keeps to in size, pictures per second and references, e.g. 4.1 (default: "
          "the lowest)",
-         "LEVEL", reads<level_from>, Idle::uncoded},
+         "LEVEL", Idle::uncoded},
         {"--crf", coding, &o.crf,
          "Instead of --quantiser: QP of P pictures in the codec's own scale, 1 to 51 in H.264 and HEVC, to 63 in AV1; "
          "26, 26 and 33 are like quantiser 4",
@@ -267,14 +260,13 @@ Rows coding_rows(CommandLine& line) {
         {"--quality", coding, &o.quality,
          "Instead: quality from 0 to 100, coarser where motion hides it; 100 is quantiser 1, 20 less doubles it",
          range(0.0, 100.0), Idle::uncoded},
-        {"-b,--bitrate", coding, &o.bitrate, "Instead: bits per second of pictures, on average, e.g. 6M or 900k",
-         "RATE", reads_bits, Idle::uncoded},
+        {"-b,--bitrate", coding, into_bits(o.bitrate),
+         "Instead: bits per second of pictures, on average, e.g. 6M or 900k", "RATE", Idle::uncoded},
         {"--cbr", coding, &o.constant_rate, "With --bitrate: at every time, by stuffing where need be", Idle::uncoded},
-        {"--maxrate", coding, &o.maxrate,
-         "Bits per second that pictures reach a decoder with at most (default: the level's)", "RATE", reads_bits,
-         Idle::uncoded},
-        {"--vbv", coding, &o.vbv, "Bits that a decoder's buffer holds (default: the most the level allows)", "BITS",
-         reads_bits, Idle::uncoded},
+        {"--maxrate", coding, into_bits(o.maxrate),
+         "Bits per second that pictures reach a decoder with at most (default: the level's)", "RATE", Idle::uncoded},
+        {"--vbv", coding, into_bits(o.vbv), "Bits that a decoder's buffer holds (default: the most the level allows)",
+         "BITS", Idle::uncoded},
         {"--passes", coding, &o.passes,
          "With --bitrate: 2 looks at the whole film first, cheaply, and spends bits where they are needed; 1 does not "
          "(default: 2)",
@@ -349,16 +341,15 @@ Rows run_rows(CommandLine& line) {
     return {
         {"-j,--threads", run, &o.threads, "Threads; 0: one per core. The film's bytes do not depend on it",
          range(0, 1024), Shown(), Idle::always},
-        {"--isa", run, &o.isa,
+        {"--isa", run, into<core::isa_from>(o.isa),
          "Instruction set (default: the best there is). Films differ in a few roundings between them",
-         "sse2|sse4.2|avx|avx2|avx512", reads<core::isa_from>, Idle::always},
-        {"--memory", run, &o.memory,
+         "sse2|sse4.2|avx|avx2|avx512", Idle::always},
+        {"--memory", run, into<memory_from>(o.memory),
          "Most memory to take, e.g. 8G: refuse what would need more before it is begun, and never swap (default: no "
          "limit)",
-         "SIZE", reads<memory_from>, Idle::always},
-        {"--memory@part", run, &o.memory,
-         "Most memory to take, e.g. 8G: refuse what would need more (default: as `farm` was told)", "SIZE",
-         reads<memory_from>},
+         "SIZE", Idle::always},
+        {"--memory@part", run, into<memory_from>(o.memory),
+         "Most memory to take, e.g. 8G: refuse what would need more (default: as `farm` was told)", "SIZE"},
         {"--chunks-at-once", run, &o.chunks_at_once,
          "Chunks of some 60 frames that are made beside each other, each by a thread or more, where one frame cannot "
          "keep all cores busy (default: one for 4 threads, as memory allows; docs/machines.md). The film's bytes do "
@@ -371,9 +362,9 @@ Rows run_rows(CommandLine& line) {
         {"--dry-run", run, &o.dry_run,
          "Read and check everything, say what would be done and what it would take, write nothing", Idle::always},
         {"--dry-run@tune", run, &o.dry_run, "Render nothing in the end: print the command that would do it"},
-        {"--within", run, &o.within,
+        {"--within", run, into<within_from>(o.within),
          "Light a few frames for so long, about, to tell what the film will take; 0: light none", "TIME",
-         reads<within_from>, Shown(), Idle::always},
+         ShownAs{"10s"}, Idle::always},
         {"-y,--overwrite", run, &o.overwrite,
          "Replace a film that is there, and make folders that are missing; without it both are refused", Idle::always},
         {"--quiet", run, &o.quiet, "Print nothing but errors", Idle::always},
@@ -390,32 +381,32 @@ Rows run_rows(CommandLine& line) {
 Rows trial_rows(CommandLine& line) {
     TrialOptions& o = line.trial;
     return {
-        {"--sample@cost", tried, &o.sample,
+        {"--sample@cost", tried, into<sample_from>(o.sample),
          "Windows spread over the film, by consecutive frames of each; the last frame of each window is also lit as "
          "the reference (default: as --within allows, at most 2x3)",
-         "WINDOWSxFRAMES", reads<sample_from>},
-        {"--within@cost", tried, &o.within, "Choose a sample that takes about so long, where --sample does not", "TIME",
-         reads<time_in_seconds>, Shown()},
-        {"--tolerances", tried, &o.tolerances, "Fixed tolerances, per cent of a pixel's luminance", "P,P,...",
-         reads<percents_from>, Shown()},
-        {"--sample@compare", tried, &o.sample,
+         "WINDOWSxFRAMES"},
+        {"--within@cost", tried, into<time_in_seconds>(o.within),
+         "Choose a sample that takes about so long, where --sample does not", "TIME", ShownAs{"1m"}},
+        {"--tolerances", tried, into<percents_from>(o.tolerances), "Fixed tolerances, per cent of a pixel's luminance",
+         "P,P,...", ShownAs{"16,8,4,2,1"}},
+        {"--sample@compare", tried, into<sample_from>(o.sample),
          "Windows spread over the film, by consecutive frames of each; better whole GOPs", "WINDOWSxFRAMES",
-         reads<sample_from>, ShownAs{"1x15"}},
+         ShownAs{"1x15"}},
         {"--references@compare", tried, &o.references,
          "Frames of each window that are also lit as the reference: they tell what light adds to the errors of all "
          "frames",
          range(1, 1000), ShownAs{"4"}},
-        {"--quantisers", tried, &o.quantisers, "Quantisers to code with, two or more", "Q,Q,...",
-         reads<quantisers_from>, ShownAs{usual_quantisers}},
+        {"--quantisers", tried, into<quantisers_from>(o.quantisers), "Quantisers to code with, two or more", "Q,Q,...",
+         ShownAs{"2,4,8,16"}},
         {"--beside", tried, &o.beside, "Another way: `cycles`, denoised, of a .blend, in small", Words{"cycles"}},
         {"--blender", tried, &o.blender,
          "Blender of --beside cycles, or a Python whose module bpy it is; it exports your film, too (default: that of "
          "the PATH)",
          "PROGRAM"},
-        {"--sample@tune", tried, &o.sample,
+        {"--sample@tune", tried, into<sample_from>(o.sample),
          "Windows spread over the film, by consecutive frames of each (default: an eighth of the film, at most 2x15; "
          "with --max-time 2x3)",
-         "WINDOWSxFRAMES", reads<sample_from>},
+         "WINDOWSxFRAMES"},
         {"--references@tune", tried, &o.references,
          "Frames of each window that are also lit as the reference, which is dear: they tell what light adds to the "
          "errors of all frames. 0: quality is told against the pictures as they were lit (default: 1; with "
@@ -426,13 +417,13 @@ Rows trial_rows(CommandLine& line) {
         {"--target-ssim", target, &o.ssim, "Their SSIM, to 0.002 on the sample: finds --quality", range(0.01, 0.9999)},
         {"--of", target, &o.of, "Whose PSNR or SSIM that is: the whole film's, or that of its worst-tenth of pictures",
          Words{"film|worst-tenth"}, Shown()},
-        {"--target-bitrate", target, &o.bitrate,
-         "Bits per second of pictures, to 2 %: --bitrate in two passes, and what quality that is", "RATE", reads_bits},
-        {"--max-size", target, &o.size, "Bytes of the file at most, e.g. 700M: likewise", "SIZE", reads<size_in_bytes>},
-        {"--max-time", target, &o.time,
+        {"--target-bitrate", target, into_bits(o.bitrate),
+         "Bits per second of pictures, to 2 %: --bitrate in two passes, and what quality that is", "RATE"},
+        {"--max-size", target, into<size_in_bytes>(o.size), "Bytes of the file at most, e.g. 700M: likewise", "SIZE"},
+        {"--max-time", target, into<time_in_seconds>(o.time),
          "Time on the clock at most, e.g. 2h or 90m: loosens --tolerance and --samples, and with `--indirect "
          "lightcuts` --vpls, as far as needed",
-         "TIME", reads<time_in_seconds>},
+         "TIME"},
     };
 }
 
@@ -465,15 +456,13 @@ Rows farm_rows(CommandLine& line) {
         {"--into", run, &line.part.folder,
          "Write film, heatmaps, statistics, report and images into this folder (default: where `farm` was told)",
          "DIR"},
-        {"--price", farm, &line.render.hire.price,
-         "What an hour of a core or machine costs, in any currency: tells what the film does", "0.04/core-hour",
-         reads<price_from>},
+        {"--price", farm, into<price_from>(line.render.hire.price),
+         "What an hour of a core or machine costs, in any currency: tells what the film does", "0.04/core-hour"},
         {"--machines", farm, &line.render.hire.machines, "Machines of a farm: tells how long it takes there",
          range(1, 100'000)},
         {"--cores", farm, &line.render.hire.cores, "Cores of each machine (default: this one's)", range(1, 1024)},
-        {"--price@farm-status", run, &line.part.price,
-         "What an hour of a core costs, in any currency: tells what was spent, and what is left", "0.04/core-hour",
-         reads<price_from>},
+        {"--price@farm-status", run, into<price_from>(line.part.price),
+         "What an hour of a core costs, in any currency: tells what was spent, and what is left", "0.04/core-hour"},
         {"--left", run, &line.part.left,
          "Print nothing but the numbers of parts that are not whole, as 1,3-5: for scripts"},
     };

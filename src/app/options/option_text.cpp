@@ -157,7 +157,7 @@ ToleranceRequest tolerance_from(const std::string& text) {
     const std::size_t equals = text.find('=');
     const std::string kind = text.substr(0, equals), value = equals == std::string::npos ? "" : text.substr(equals + 1);
     if (text == "reference") return {true, 0, false, {}, {}};
-    if (text == "coupled") return {false, 0, true, {}, {}};
+    if (text == "coupled") return coupled_tolerance();
     if (text == "truth") return {true, 0, false, {}, 0.01f};
     // chosen: a tenth of the default takes a hundred times as many paths, which nobody waits for.
     if (kind == "truth")
@@ -221,6 +221,13 @@ float f_stop_from(const std::string& text) {
     const auto number = number_in(text, 0.01, 1000);
     if (!number) throw UsageError("f-stop " + text + ": expected a number from 0.01 to 1000, e.g. 2.8, or `off`");
     return static_cast<float>(*number);
+}
+
+std::optional<float> exposure_from(const std::string& text) {
+    if (text == "auto") return {};
+    const auto ev = number_in(text, -64, 64);
+    if (!ev) throw UsageError("exposure " + text + ": expected `auto` or a number of EV from -64 to 64, e.g. -1.5");
+    return static_cast<float>(*ev);
 }
 
 SampleExtent sample_from(const std::string& text) {

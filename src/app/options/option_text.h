@@ -13,14 +13,7 @@ Size size_from(const std::string& text);
 /// "A:B"
 FrameRange frames_from(const std::string& text);
 
-/// "0.04/core-hour" or "0.60/machine-hour", in any currency.
-struct Price {
-    double amount = 0;
-    bool of_core = true;  ///< for each core and hour; else for each machine
-
-    double of_core_hour(int cores) const { return of_core ? amount : amount / cores; }
-};
-/// Throws UsageError.
+/// "0.04/core-hour" or "0.60/machine-hour". Throws UsageError.
 Price price_from(const std::string& text);
 
 /// Words of a command as a shell would part them: by blanks, but not within '...' and "..."; nothing else has a
@@ -42,6 +35,8 @@ int grain_from(const std::string& text);
 GlareRequest glare_from(const std::string& text);
 /// "2.8"; "off": 0, all is sharp.
 float f_stop_from(const std::string& text);
+/// "-1.5" EV; "auto": none.
+std::optional<float> exposure_from(const std::string& text);
 /// "2x3": windows by frames of each.
 SampleExtent sample_from(const std::string& text);
 /// "4,2,0.5": shares of 1, from the largest to the least, each once.

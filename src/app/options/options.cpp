@@ -196,9 +196,9 @@ std::string objection(const OptionRow& row, const std::string& text) {
                        : CLI::detail::lexical_cast(text, value) && value >= low && value <= high))
             return fmt::format("{}: expected a number from {} to {}", text, low, high);
     }
-    if (row.check != nullptr) {
+    if (row.parser) {
         try {
-            row.check(text, row.name().substr(row.name().find_first_not_of('-')));
+            row.parser(text, row.name().substr(row.name().find_first_not_of('-')));
         } catch (const core::Error& error) {
             return error.what();
         }
@@ -209,8 +209,11 @@ std::string objection(const OptionRow& row, const std::string& text) {
 void give_option(CLI::App& command, const OptionRow& row) {
     const std::string names = row.names, own = names.substr(0, names.find('@'));
     CLI::Option& option = std::visit(
-        [&]<class Value>(Value* member) -> CLI::Option& {
-            if constexpr (std::is_same_v<Value, bool>)
+        [&]<class Member>(Member member) -> CLI::Option& {
+            if constexpr (std::is_same_v<Member, std::monostate>)
+                return *command.add_option_function<std::string>(
+                    own, [](const std::string& /*parsed*/) {}, row.text);
+            else if constexpr (std::is_same_v<Member, bool*>)
                 return *command.add_flag(own, *member, row.text);
             else
                 return *command.add_option(own, *member, row.text);
@@ -223,7 +226,7 @@ void give_option(CLI::App& command, const OptionRow& row) {
         option.type_name(row.words);
     else if (row.range)
         option.type_name(fmt::format("{}..{}", row.range->low, row.range->high));
-    if (*row.words != '\0' || row.range || row.check != nullptr)
+    if (*row.words != '\0' || row.range || row.parser)
         option.check(CLI::Validator([row](std::string& text) { return objection(row, text); }, ""));
     if (row.is_shown) option.capture_default_str();
     if (*row.shown_as != '\0') option.default_str(row.shown_as);

@@ -11,8 +11,20 @@
 #include <vector>
 
 #include "core/glare.h"
+#include "core/isa.h"
+#include "core/rational.h"
+#include "core/view.h"
 
 namespace render2mpeg::app {
+
+struct Size {
+    int width = 0, height = 0;
+};
+struct FrameRange {
+    std::int64_t first = 0, last = 0;  ///< both inclusive
+
+    std::int64_t count() const { return last - first + 1; }
+};
 
 /// dB of PSNR-Y that light may lose in coded films. chosen: 0.2: nobody sees it, and half of it takes about twice the
 /// rays.
@@ -27,6 +39,18 @@ struct ToleranceRequest {
     double loss = usual_loss;                   ///< coupled without a fraction: dB, > 0
 };
 
+inline ToleranceRequest fixed_tolerance(float share) {
+    ToleranceRequest request;
+    request.relative = share;
+    return request;
+}
+
+inline ToleranceRequest coupled_tolerance() {
+    ToleranceRequest request = fixed_tolerance(0);
+    request.coupled = true;
+    return request;
+}
+
 struct ShutterRequest {
     float angle = 0, phase = 0, rolling = 0;
 };
@@ -34,6 +58,11 @@ struct ShutterRequest {
 struct GlareRequest {
     core::GlareKind kind = core::GlareKind::off;
     std::optional<float> strength;  ///< none: the animation file's, or that of real eyes
+};
+
+/// Sample of a film: windows of consecutive frames; fewer in short films.
+struct SampleExtent {
+    int windows = 2, frames = 3;  ///< >= 1
 };
 
 /// Pictures of a GOP by default. chosen: 60, two seconds, for seeking and chunks (film.h). Against 15 that takes 7.3 to
@@ -44,8 +73,10 @@ inline constexpr int usual_gop = 60;
 
 /// Coding options of `render` and `encode`.
 struct CodingOptions {
-    std::optional<std::string> codec, level, bitrate, maxrate, vbv, preset, display_aspect, pixel_aspect, keyframes,
-        audio;
+    std::optional<std::string> codec, preset, keyframes, audio;
+    std::optional<int> level;                           ///< ten times its number
+    std::optional<std::int64_t> bitrate, maxrate, vbv;  ///< bits per second; bits
+    std::optional<core::Rational> display_aspect, pixel_aspect;
     std::optional<int> quantiser, crf, passes, gop, b_pictures;
     std::optional<double> quality;
     bool constant_rate = false;
@@ -57,8 +88,12 @@ struct CodingOptions {
 /// Options of `render` and `encode`.
 struct FilmOptions {
     std::filesystem::path input, output;  ///< `output` is "-.ts" where `as` is "ts"
-    std::optional<std::string> as, rate, frames, view, grain;
-    std::optional<int> peak;  ///< white of films in PQ, cd/m^2; none: core::usual_peak
+    std::optional<std::string> as;
+    std::optional<core::FrameRate> rate;
+    std::optional<core::ViewName> view;
+    std::optional<FrameRange> frames;
+    std::optional<int> grain;  ///< ISO; 0: none
+    std::optional<int> peak;   ///< white of films in PQ, cd/m^2; none: core::usual_peak
     CodingOptions coding;
     int threads = 0;  ///< 0: all
     std::optional<std::filesystem::path> stats;
@@ -67,23 +102,42 @@ struct FilmOptions {
     std::map<std::string, std::string> said;
 
     bool is_given(const std::string& name) const { return said.contains(name); }
+    /// "--size 640x360", as it was given; the name alone where it was not.
+    std::string as_said(const std::string& name) const { return is_given(name) ? name + " " + said.at(name) : name; }
+};
+
+/// In any currency.
+struct Price {
+    double amount = 0;
+    bool of_core = true;  ///< for each core and hour; else for each machine
+
+    double of_core_hour(int cores) const { return of_core ? amount : amount / cores; }
 };
 
 /// Machines to be had for a film, and what they cost.
 struct Hire {
-    std::optional<std::string> price;
+    std::optional<Price> price;
     std::optional<int> machines, cores;
 };
 
 /// What is given wins over the animation file.
 struct RenderOptions : FilmOptions {
-    std::optional<std::string> size, tolerance, shutter, f_stop, focus, fog, glare, transparent, sky, camera,
-        projection, stereo, animation, variant, isa, effort, memory;
-    std::optional<double> loss;  ///< none: usual_loss, or --effort's
+    std::optional<Size> size;
+    std::optional<ToleranceRequest> tolerance;
+    std::optional<ShutterRequest> shutter;
+    std::optional<GlareRequest> glare;
+    std::optional<float> f_stop;          ///< 0: all is sharp
+    std::optional<float> fog;             ///< visibility, scene units; 0: none
+    std::optional<std::uint64_t> memory;  ///< bytes
+    std::optional<std::string> focus, transparent, sky, camera, projection, stereo, animation, variant, effort;
+    std::optional<core::Isa> isa;
+    std::optional<float> exposure;  ///< EV; none: the animation file's, else one value for the film by what it shows
+    std::optional<double> loss;     ///< none: usual_loss, or --effort's
     int samples = 4, vpls = 32768, audit = 0;
     std::optional<int> edge_samples, exposure_samples, chunks_at_once;
-    std::string indirect = "rays", caustics = "on", masking = "warped", exposure = "auto", clamp = "bounded",
-                cache = "auto", light = "studio", player, within = "10s";
+    std::string indirect = "rays", caustics = "on", masking = "warped", clamp = "bounded", cache = "auto",
+                light = "studio", player;
+    double within = 10;  ///< seconds
     std::optional<std::filesystem::path> light_cache, report, layers, last_frame;
     /// Films beside the film: what a heatmap is about, or a view; and its file.
     std::vector<std::pair<std::string, std::string>> side_films;
@@ -103,22 +157,20 @@ struct InfoOptions {
     bool json = false, summary = false;
 };
 
-/// Of `compare`.
-inline constexpr const char* usual_quantisers = "2,4,8,16";
-
-/// Sample of a film: windows of consecutive frames; fewer in short films.
-struct SampleExtent {
-    int windows = 2, frames = 3;  ///< >= 1
-};
-
 /// Options of `cost`, `tune` and `compare`; of `tune` exactly one of the targets from `psnr` to `time`.
 struct TrialOptions {
     RenderOptions render;
     std::optional<std::filesystem::path> json, report;
-    std::optional<std::string> sample, bitrate, size, time, quantisers, beside, blender;
+    std::optional<SampleExtent> sample;
+    std::optional<std::vector<int>> quantisers;
+    std::optional<std::int64_t> bitrate;  ///< bits per second
+    std::optional<double> size, time;     ///< bytes; seconds
+    std::optional<std::string> beside, blender;
     std::optional<int> references;
     std::optional<double> psnr, ssim;
-    std::string within = "1m", tolerances = "16,8,4,2,1", of = "film";
+    double within = 60;  ///< seconds
+    std::vector<float> tolerances{0.16f, 0.08f, 0.04f, 0.02f, 0.01f};
+    std::string of = "film";
 };
 
 /// Schedulers of `farm --to`.
@@ -136,8 +188,10 @@ struct FarmOptions {
 /// Options of `part`, `join` and `farm-status`.
 struct PartOptions {
     std::filesystem::path plan;
-    int number = 0;  ///< of `part`, from 1
-    std::optional<std::string> memory, after_chunk, price;
+    int number = 0;                       ///< of `part`, from 1
+    std::optional<std::uint64_t> memory;  ///< bytes
+    std::optional<std::string> after_chunk;
+    std::optional<Price> price;
     std::optional<std::filesystem::path> folder;  ///< of the film
     std::optional<std::filesystem::path> pieces;  ///< their folder
     std::filesystem::path from;                   ///< where `after_chunk` runs
@@ -184,16 +238,6 @@ std::string wrapped(const std::string& text, int columns);
 
 /// A word quoted for a shell.
 std::string quoted(const std::string& word);
-
-/// As size_from() and frames_from() read them (option_text.h).
-struct Size {
-    int width = 0, height = 0;
-};
-struct FrameRange {
-    std::int64_t first = 0, last = 0;  ///< both inclusive
-
-    std::int64_t count() const { return last - first + 1; }
-};
 
 /// Words of another command: without `without` (of which `flags` take no value), with `with` appended (name, value or
 /// empty).

@@ -255,8 +255,8 @@ const Preset& preset_from(const std::string& name) {
 
 ShapeWishes shape_wishes(const CodingOptions& options) {
     ShapeWishes wishes;
-    if (options.display_aspect) wishes.display_aspect = core::ratio_from(*options.display_aspect);
-    if (options.pixel_aspect) wishes.pixel_aspect = core::ratio_from(*options.pixel_aspect);
+    if (options.display_aspect) wishes.display_aspect = *options.display_aspect;
+    if (options.pixel_aspect) wishes.pixel_aspect = *options.pixel_aspect;
     return wishes;
 }
 

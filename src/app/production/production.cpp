@@ -63,8 +63,7 @@ ChunksAtOnce chunks_at_once(const RenderJob& film, const RenderOptions& options)
         chosen.reason += fmt::format("; the film has {}", chunks);
     }
     if (chosen.count > 1 && (options.memory || !options.chunks_at_once)) {
-        const int allowed =
-            allowed_by_memory(film, options.memory ? memory_from(*options.memory) : machine_memory() / 2);
+        const int allowed = allowed_by_memory(film, options.memory.value_or(machine_memory() / 2));
         chosen.count = std::min(chosen.count, allowed);
         chosen.reason += fmt::format("; memory allows {}", allowed);
     }
@@ -107,7 +106,7 @@ Published publish_frames(const OpenRender& open, bool complete) {
 
 RenderJob prepare_within_memory(const RenderOptions& options) {
     if (!options.memory) return prepare(options);
-    const std::uint64_t limit = memory_from(*options.memory);
+    const std::uint64_t limit = *options.memory;
     hold_to(limit, std::max(parallel::thread_count(), options.chunks_at_once.value_or(1)));
     RenderJob film = prepare(options);
     film.images_in_turn = !may_decode_at_once(film, memory_need(film), limit, parallel::thread_count());
@@ -120,7 +119,7 @@ void print_notes(const RenderJob& film, const RenderOptions& options) {
     std::vector<std::string> notes = film.animation->notes;
     for (const std::string& line : unused_options(options, film.kind, film.tolerance, film.preview))
         notes.push_back(line);
-    if (options.frames && options.frames->find(':') == std::string::npos)
+    if (options.is_given("--frames") && options.said.at("--frames").find(':') == std::string::npos)
         notes.push_back(film.frames.first > 1 ? fmt::format("--frames {0} is one frame, number {0} from 0; the first "
                                                             "{0} are --frames 0:{1}",
                                                             film.frames.first, film.frames.first - 1)
