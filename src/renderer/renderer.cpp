@@ -9,12 +9,9 @@
 #include "parallel/lanes.h"
 #include "renderer/air/airlight.h"
 #include "renderer/air/volume_lighting.h"
-#include "renderer/cache/irradiance_cache.h"
 #include "renderer/calibration/audit.h"
-#include "renderer/calibration/calibration.h"
-#include "renderer/caustics/caustics.h"
+#include "renderer/chunk_memory.h"
 #include "renderer/cut/blurred_light.h"
-#include "renderer/draft/draft_light.h"
 #include "renderer/draft/rough_light.h"
 #include "renderer/film_lights.h"
 #include "renderer/gather/final_gather.h"
@@ -35,7 +32,7 @@ struct Renderer::Impl {
           plan(p),
           posed_scene(film, s.isa, p, store),
           lights(posed_scene, plan, settings, statistics, times),
-          caustics({s.caustic_photons, plan.rays_see_sky_in_panes()}),
+          memory{.caustics = Caustics({s.caustic_photons, plan.rays_see_sky_in_panes()})},
           final_gather(posed_scene, plan),
           hair_light(posed_scene, plan, final_gather.cache()) {
         begin();
@@ -46,7 +43,7 @@ struct Renderer::Impl {
           plan(prepared.plan),
           posed_scene(prepared.posed_scene),
           lights(prepared.lights, posed_scene, plan, settings, statistics, times),
-          caustics({settings.caustic_photons, plan.rays_see_sky_in_panes()}),
+          memory{.caustics = Caustics({settings.caustic_photons, plan.rays_see_sky_in_panes()})},
           final_gather(posed_scene, plan),
           hair_light(posed_scene, plan, final_gather.cache()) {
         begin();
@@ -71,12 +68,8 @@ struct Renderer::Impl {
         lights.start_chunk(first);
         caches = settings.cache != CacheUse::off && (lights.by_rays() || settings.cache == CacheUse::on ||
                                                      !scene::traits_of(posed_scene.animation()).changes_light());
-        caustics.forget();
-        ambient_air = {};
+        forget(memory);
         if (posed_scene.air() != nullptr) posed_scene.light_volumes({});
-        cache.forget();
-        calibration.forget();
-        draft_light = {};
     }
 
     SeeSettings see_settings() const {
@@ -87,7 +80,7 @@ struct Renderer::Impl {
     /// Lights of the posed snapshot. Where they are others, gathered light is told.
     void update_lights(const scene::Snapshot& snapshot) {
         if (!lights.update(snapshot)) return;
-        cache.light_changes();
+        memory.records.light_changes();
         if (rays_of || plan.runs(Pass::hair) || plan.runs(Pass::subsurface)) final_gather.forget(lights.sky_of_rays());
     }
 
@@ -101,10 +94,9 @@ struct Renderer::Impl {
         times[Pass::indirect_tree] += seconds - direct_seconds;
     }
 
-    /// What frames learn from those before them; lights follow from instants alone, and a draft keeps nothing.
     template <class A>
     void keep(A& a) {
-        a(cache, final_gather.cache(), calibration, caustics, ambient_air);
+        a(memory, final_gather.cache());
     }
 
     std::uint64_t gathered_rays() const { return final_gather.counts().rays + final_gather.counts().cell_rays; }
@@ -151,17 +143,13 @@ struct Renderer::Impl {
     std::optional<RaysOf> rays_of;  ///< that see light missing in light trees
     bool started = false;
     bool caches = false;  ///< light is cached in this chunk
-    Caustics caustics;
-    AmbientAir ambient_air;
+    ChunkMemory memory;
     std::int64_t volumes_lit_at = -1;  ///< FilmLights::lit_frame
     FinalGather final_gather;
     HairLight hair_light;
-    IrradianceCache cache;
-    FilmCalibration calibration;
-    std::array<DraftLight, 2> draft_light;  ///< of either eye
-    double shared_seconds = 0;              ///< of gathering by rays, that rows have already
-    std::uint64_t counted_rays = 0;         ///< of all, that statistics have, or that count nowhere
-    double earlier_layer_seconds = 0;       ///< before statistics began
+    double shared_seconds = 0;         ///< of gathering by rays, that rows have already
+    std::uint64_t counted_rays = 0;    ///< of all, that statistics have, or that count nowhere
+    double earlier_layer_seconds = 0;  ///< before statistics began
 };
 
 /// Finer edges, where the tolerance shows them.
@@ -191,7 +179,7 @@ void Renderer::Impl::add_effects(const scene::Snapshot& snapshot, const core::To
     if (plan.runs(Pass::caustics)) {
         const Stopwatch timer(times[Pass::caustics]);
         CausticCounts counts;
-        caustics.add(posed_scene, lights.points(), tolerance, frame, sum, counts);
+        memory.caustics.add(posed_scene, lights.points(), tolerance, frame, sum, counts);
         if (tolerance != nullptr) add(counts, statistics);
     }
     if (!frame.fibres.empty()) {
@@ -205,7 +193,7 @@ void Renderer::Impl::add_effects(const scene::Snapshot& snapshot, const core::To
     const AirInstant instant = air_instant(points);
     light_volumes(instant);
     const Stopwatch timer(times[plan.runs(Pass::air) ? Pass::air : Pass::volumes]);
-    statistics.air_rays += add_airlight(instant, ambient_air, tolerance, frame, sum);
+    statistics.air_rays += add_airlight(instant, memory.ambient_air, tolerance, frame, sum);
 }
 
 /// Light within volumes, where it is not known yet, from the instant alone: what was gathered before is forgotten.
@@ -237,14 +225,14 @@ FrameLight Renderer::Impl::gather_film(const scene::Snapshot& snapshot, const Li
     // Learn how far cuts err,
     if (settings.calibrate && !is_reference) {
         const Stopwatch timer(statistics.calibration_seconds);
-        statistics.calibrated_pixels += calibration.before(snapshot, lights.lit_frame(), context, limits);
-        limits.error_scale = calibration.value();
+        statistics.calibrated_pixels += memory.calibration.before(snapshot, lights.lit_frame(), context, limits);
+        limits.error_scale = memory.calibration.value();
         add_error_scale(limits.error_scale, statistics);
     }
     // ask the cache, which gathers its misses, or gather all.
     if (!caches || is_reference) return gather_all(snapshot, context, limits, counts);
-    FrameLight light =
-        cache.light(context, snapshot, limits, lights.by_rays() ? &final_gather : nullptr, counts, statistics.cache);
+    FrameLight light = memory.records.light(context, snapshot, limits, lights.by_rays() ? &final_gather : nullptr,
+                                            counts, statistics.cache);
     if (rays_of == RaysOf::lobes) add_rays(final_gather, snapshot.camera, context, RaysOf::lobes, light);
     return light;
 }
@@ -255,7 +243,7 @@ void Renderer::Impl::learn(const scene::Snapshot& snapshot, const LightingContex
     if (!settings.calibrate || context.tolerance.is_reference() || lights.by_rays()) return;
     const Stopwatch timer(statistics.calibration_seconds);
     statistics.calibrated_pixels +=
-        calibration.after(snapshot, lights.lit_frame(), context, error_scale, light, radiance, rays);
+        memory.calibration.after(snapshot, lights.lit_frame(), context, error_scale, light, radiance, rays);
 }
 
 core::Radiance Renderer::Impl::gather_sparse(const scene::Snapshot& snapshot, const LightingContext& context,
@@ -270,9 +258,9 @@ core::Radiance Renderer::Impl::gather_sparse(const scene::Snapshot& snapshot, co
 
 FrameLight Renderer::Impl::gather_draft(const scene::Snapshot& snapshot, const LightingContext& context,
                                         const core::MotionField* to_before, ShadeCounts& counts) {
-    if (snapshot.cut_before) draft_light = {};
+    if (snapshot.cut_before) memory.drafts = {};
     FrameLight light =
-        draft_light[snapshot.camera.eye_number()].light({context, lights.trees(), to_before}, cut_limits(), counts);
+        memory.drafts[snapshot.camera.eye_number()].light({context, lights.trees(), to_before}, cut_limits(), counts);
     if (plan.runs(Pass::lobe_rays)) add_rays(final_gather, snapshot.camera, context, RaysOf::lobes, light);
     return light;
 }
@@ -291,7 +279,7 @@ core::Radiance Renderer::Impl::trace(const UngatheredLight& ungathered, const Tr
 Renderer::Renderer(const scene::Animation& animation, const Settings& settings, const Plan& plan, TextureStore* store,
                    std::optional<KnownLight> known)
     : impl_(std::make_unique<Impl>(animation, settings, plan, store)) {
-    if (known) impl_->cache.library().know(stored_records(*known));
+    if (known) impl_->memory.records.library().know(stored_records(*known));
 }
 Renderer::Renderer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Renderer::~Renderer() = default;
@@ -314,7 +302,7 @@ void Renderer::prepare(const scene::Snapshot& snapshot) {
 void Renderer::resize(const scene::PictureFormat& format) {
     EXPECTS(format.width > 0 && format.height > 0);
     impl_->settings.format = format;
-    impl_->draft_light = {};
+    impl_->memory.drafts = {};
 }
 
 bool Renderer::is_sound(KnownLight light) {
@@ -324,7 +312,7 @@ bool Renderer::is_sound(KnownLight light) {
 }
 
 std::vector<std::byte> Renderer::found_light() const {
-    const std::vector<StoredRecord> found = impl_->cache.found();
+    const std::vector<StoredRecord> found = impl_->memory.records.found();
     const auto bytes = std::as_bytes(std::span(found));
     return {bytes.begin(), bytes.end()};
 }
@@ -361,7 +349,7 @@ void Renderer::restore(core::ArchiveReader& archive) {
     // Light within volumes follows from the instant, and finds cells that the state replaces.
     if (impl_->posed_scene.air() != nullptr) impl_->light_volumes(impl_->air_instant(impl_->lights.points()));
     impl_->keep(archive);
-    if (!impl_->cache.is_sound(impl_->posed_scene.posed().objects.size()))
+    if (!impl_->memory.records.is_sound(impl_->posed_scene.posed().objects.size()))
         throw core::Error("records of light are damaged");
 }
 
@@ -417,7 +405,8 @@ Lit Renderer::gather(const scene::Snapshot& snapshot, PlacedFrame placed, const 
     const bool has_points = order.mode != LightingMode::sparse && order.mode != LightingMode::truth;
     if (has_points) lit.radiance = shade(context, light, layers, counts);
     if (order.mode == LightingMode::film) {
-        if (layers && i.caches) lit.radiance.record_density = i.cache.density(snapshot.camera, i.settings.format);
+        if (layers && i.caches)
+            lit.radiance.record_density = i.memory.records.density(snapshot.camera, i.settings.format);
         i.learn(snapshot, context, limits.error_scale, light, lit.radiance, counts.shadow_rays);
     }
     if (order.mode == LightingMode::film || order.mode == LightingMode::draft) i.count(counts, lit.frame.visible);
