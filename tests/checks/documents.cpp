@@ -66,6 +66,24 @@ std::vector<Finding> wordy_documents(const std::vector<File>& files) {
     return findings;
 }
 
+std::vector<Finding> wordy_releases(const File& changelog) {
+    std::vector<Finding> findings;
+    const std::string_view text = changelog.text;
+    const auto heading_from = [&](std::size_t at) {
+        return text.substr(at).starts_with("## ") ? at : std::min(text.find("\n## ", at), text.size() - 1) + 1;
+    };
+    for (std::size_t begin = heading_from(0); begin < text.size();) {
+        const std::size_t below = std::min(text.find('\n', begin), text.size());
+        const std::size_t end = below < text.size() ? heading_from(below) : text.size();
+        const int words = count_words(text.substr(below, end - below));
+        if (words > words_of_a_release)
+            findings.push_back({changelog.path, line_at(text, begin),
+                                std::to_string(words) + " words, of at most " + std::to_string(words_of_a_release)});
+        begin = end;
+    }
+    return findings;
+}
+
 std::vector<Finding> missing_files(const std::vector<File>& files, const std::filesystem::path& root) {
     constexpr std::string_view documents[] = {"docs/"};
     constexpr std::string_view all[] = {"docs/",  "src/",   "perceptual/", "encoder/",

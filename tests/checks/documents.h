@@ -22,6 +22,11 @@ int count_words(std::string_view text);
 
 std::vector<Finding> wordy_documents(const std::vector<File>& files);
 
+/// The most words that the changelog may say of a release.
+constexpr int words_of_a_release = 600;
+/// Releases, from one heading of the second level to the next, of which a changelog says more; found at their headings.
+std::vector<Finding> wordy_releases(const File& changelog);
+
 /// Documents that comments and pages name, as in `docs/model/lightcut.md` or `docs/decisions`, and files that
 /// pages name, as in `src/renderer/cut/gatherer.h`, that do not exist below `root`. The name may leave out what follows
 /// a dot or a hyphen.

@@ -24,6 +24,17 @@ TEST(Documents, OfThisTreeHaveTogetherAtMost60000Words) {
     EXPECT_LE(count, 60000);
 }
 
+TEST(Documents, OfThisTreeSayOfEachReleaseWhatIsReadInAFewMinutes) {
+    int found = 0;
+    for (const File& file : read_tree(support::source_folder())) {
+        if (file.path != "CHANGELOG.md") continue;
+        ++found;
+        const auto findings = wordy_releases(file);
+        EXPECT_TRUE(findings.empty()) << list_of(findings);
+    }
+    EXPECT_EQ(found, 1);
+}
+
 TEST(Documents, ThatThisTreeNamesAreThere) {
     const auto findings = missing_files(read_tree(support::source_folder()), support::source_folder());
     EXPECT_TRUE(findings.empty()) << list_of(findings);
@@ -45,6 +56,18 @@ TEST(DocumentCheck, FindsPagesOfTooManyWords) {
     }
     EXPECT_TRUE(wordy_documents({make_file("src/core/README.md", words(20000))}).empty());
     EXPECT_TRUE(wordy_documents({make_file("docs/model/a.txt", words(20000))}).empty());
+}
+
+TEST(DocumentCheck, FindsReleasesOfTooManyWords) {
+    const auto found = [](const std::string& text) { return wordy_releases(make_file("CHANGELOG.md", text)); };
+    const std::string some = words(words_of_a_release), more = words(words_of_a_release + 1);
+    EXPECT_TRUE(found("").empty());
+    EXPECT_TRUE(found("# Changes\n" + more).empty()) << "of no release";
+    EXPECT_TRUE(found("## 2\n" + some + "## 1\n" + some).empty());
+    EXPECT_EQ(found("## 1\n" + more).size(), 1u);
+    const auto second = found("# Changes\n\n## 2\n" + some + "## 1\n\n### Films\n" + more + "## 0");
+    ASSERT_EQ(second.size(), 1u);
+    EXPECT_EQ(second[0].line, 4 + words_of_a_release);
 }
 
 TEST(DocumentCheck, FindsFilesThatAreNamedAndMissing) {
