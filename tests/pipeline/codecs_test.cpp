@@ -154,7 +154,7 @@ TEST(Codecs, OfMp4PutTheirTablesFirstAndSayTheirColours) {
     EXPECT_EQ(stream.value("codec_tag_string", ""), "avc1");
 }
 
-/// Renders of a coupled film of two chunks.
+/// Renders of a coupled film of two chunks, the first of two groups of pictures.
 class CoupledSlow : public testing::TestWithParam<const char*> {
   protected:
     void SetUp() override {
@@ -162,7 +162,7 @@ class CoupledSlow : public testing::TestWithParam<const char*> {
     }
     support::Outcome render(const std::string& name, const std::string& more) const {
         return run(program() + " render -y --hold " + plain_film() +
-                   " --size 64x64 --gop 30 --frames 0:65 --samples 1 --exposure 0 "
+                   " --size 64x64 --gop 25 --frames 0:52 --samples 1 --exposure 0 "
                    "--quiet --codec " +
                    GetParam() + " -o " + path(folder_, name) + " " + more);
     }
@@ -172,14 +172,15 @@ class CoupledSlow : public testing::TestWithParam<const char*> {
 
 TEST_P(CoupledSlow, FilmsAreTheSameForAnyThreadsAndAfterAKill) {
     ASSERT_EQ(render("a.mp4", "--threads 1").status, 0);
-    ASSERT_EQ(render("b.mp4", "--threads 3").status, 0);
-    EXPECT_TRUE(bytes("a.mp4") == bytes("b.mp4"));
     const std::string record = path(folder_, "c.mp4.partial/chunk_00000.json");
-    const auto killed = render("c.mp4", "& job=$!; while [ ! -s " + record +
+    const auto killed = render("c.mp4", "--threads 3 --chunks-at-once 1 & job=$!; while [ ! -s " + record +
                                             " ]; do kill -0 $job || exit 99; sleep 0.01; done; kill -KILL $job; wait");
-    if (std::filesystem::exists(folder_ / "c.mp4")) GTEST_SKIP() << "it was whole before the signal came";
-    ASSERT_EQ(render("c.mp4", "--resume").status, 0);
+    const bool is_whole = std::filesystem::exists(folder_ / "c.mp4");
+    if (!is_whole) {
+        ASSERT_EQ(render("c.mp4", "--resume --threads 2").status, 0);
+    }
     EXPECT_TRUE(bytes("a.mp4") == bytes("c.mp4")) << killed.output;
+    if (is_whole) GTEST_SKIP() << "it was whole before the signal came";
 }
 
 INSTANTIATE_TEST_SUITE_P(Codecs, CoupledSlow, testing::Values("h264", "hevc", "av1"));

@@ -114,24 +114,23 @@ TEST_P(Masters, RefuseRatesTheyDoNotHave) {
 TEST_P(Masters, AreTheSameForAnyThreadsAfterAKillAndOfPartsSlow) {
     std::ofstream(folder_ / "scene.json")
         << R"({ "camera": { "position": [0, 0, 3] }, "sky": 1, "exposure": 0, "objects": [{ "shape": "box" }] })";
+    // Two chunks, of 41 frames and of three.
     const std::string what = path(folder_, "scene.json") + " --size " + GetParam().smallest +
-                             " --gop 30 --frames 0:65 --samples 1 --tolerance fixed=50% --hold --quiet --codec " +
+                             " --gop 41 --frames 0:43 --samples 1 --tolerance fixed=50% --hold --quiet --codec " +
                              GetParam().codec;
     const auto render = [&](const std::string& name, const std::string& more) {
         return run(program() + " render -y " + what + " -o " + file(name) + " " + more);
     };
     ASSERT_EQ(render("a", "--threads 1").status, 0);
-    ASSERT_EQ(render("b", "--threads 3").status, 0);
     const std::string whole = contents(file("a"));
-    EXPECT_TRUE(whole == contents(file("b")));
     const std::string record = file("c") + ".partial/chunk_00000.json";
-    render("c", "& job=$!; while [ ! -s " + record +
+    render("c", "--threads 3 & job=$!; while [ ! -s " + record +
                     " ]; do kill -0 $job || exit 99; sleep 0.01; done; kill -KILL $job; "
                     "wait");
     if (!std::filesystem::exists(file("c"))) {
         ASSERT_EQ(render("c", "--resume").status, 0);
-        EXPECT_TRUE(whole == contents(file("c")));
     }
+    EXPECT_TRUE(whole == contents(file("c"))) << "by three threads, and gone on with by as many as there are";
     const std::string plan = file("d") + ".farm";
     ASSERT_EQ(run(program() + " farm " + what + " -o " + file("d") + " --to parallel --parts 2").status, 0);
     for (const char* part : {"2", "1"}) {
