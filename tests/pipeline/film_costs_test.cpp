@@ -6,6 +6,8 @@
 
 #include "app/experiments/comparison.h"
 #include "app/experiments/film_costs.h"
+#include "app/loop/render_job.h"
+#include "app/options/film.h"
 #include "app/options/option_text.h"
 #include "app/report/figures.h"
 #include "pipeline/fixture.h"
@@ -41,6 +43,30 @@ TEST(FilmCosts, TakeTheCheapestRowThatNobodyCanTellFromTheBest) {
     EXPECT_EQ(table.find("<- take"), table.find("<- take", table.find("coupled")));
     EXPECT_NE(table.find("exact, by paths to 3 %\n"), std::string::npos) << table;
     EXPECT_TRUE(app::answer_of(costs, 60).starts_with("Take coupled: your film of 60 frames takes about 0:07 ("));
+}
+
+TEST(FilmCosts, OfEffortsKeepWhatIsAskedForByHand) {
+    app::RenderJob film;
+    film.tolerance.coupled = true;
+    film.tolerance.loss = film.coupling.loss = 0.7;
+    film.rendering.most_samples = 256;
+    app::RenderOptions options;
+    const app::Effort& low = app::effort_from("low");
+    const app::RenderJob plain = app::at_effort(film, low, options);
+    EXPECT_DOUBLE_EQ(plain.coupling.loss, low.loss);
+    EXPECT_EQ(plain.rendering.samples, low.samples);
+
+    options.loss = 0.7;
+    options.said["--samples"] = "4";
+    const app::RenderJob asked = app::at_effort(film, low, options);
+    EXPECT_DOUBLE_EQ(asked.tolerance.loss, 0.7);
+    EXPECT_DOUBLE_EQ(asked.coupling.loss, 0.7);
+    EXPECT_EQ(asked.rendering.samples, 4);
+
+    film.tolerance = {};
+    options.tolerance = "fixed=2%";
+    EXPECT_FLOAT_EQ(app::at_effort(film, low, options).tolerance.relative, 0.02f);
+    EXPECT_FLOAT_EQ(app::at_effort(film, low, {}).tolerance.relative, low.fixed);
 }
 
 /// Two rows by quantiser; bits at equal quality follow from `bytes`, times from `cpu`.

@@ -38,7 +38,7 @@ std::vector<Setting> settings_of(const TrialOptions& options, const RenderJob& f
     all.push_back({Sweep::effort, "draft", draft_of(film)});
     for (const Effort& effort : efforts)
         if (std::string_view(effort.name) != "default")
-            all.push_back({Sweep::effort, effort.name, at_effort(film, effort)});
+            all.push_back({Sweep::effort, effort.name, at_effort(film, effort, options.render)});
     return all;
 }
 

@@ -408,13 +408,13 @@ RenderJob draft_of(const RenderJob& film) {
     return draft;
 }
 
-RenderJob at_effort(const RenderJob& film, const Effort& effort) {
+RenderJob at_effort(const RenderJob& film, const Effort& effort, const RenderOptions& options) {
     RenderJob changed = film;
-    if (film.tolerance.coupled)
-        changed.tolerance.loss = effort.loss, changed.tolerance.fraction.reset();
-    else
-        changed.tolerance.relative = effort.fixed;
-    changed.coupling.loss = changed.tolerance.loss, changed.coupling.fraction = changed.tolerance.fraction;
+    if (film.tolerance.coupled && !options.loss) changed.tolerance.loss = effort.loss;
+    if (!film.tolerance.coupled && !options.tolerance)
+        changed.tolerance.relative = (encoder::facts_of(film.coding.codec).master ? 0.5f : 1.0f) * effort.fixed;
+    changed.coupling.loss = changed.tolerance.loss;
+    if (options.is_given("--samples") || options.edge_samples) return changed;
     changed.rendering.samples = std::min(film.rendering.samples, effort.samples);
     if (effort.edge_samples > 0)
         changed.rendering.edge_samples = std::min(film.rendering.edge_samples, effort.edge_samples);

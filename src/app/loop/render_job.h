@@ -123,8 +123,8 @@ RenderJob without(const RenderJob& film, renderer::Pass effect);
 RenderJob draft_of(const RenderJob& film);
 
 /// The film as by --effort (app/options/film.h), with no more eye samples than it has, since references have the
-/// film's own.
-RenderJob at_effort(const RenderJob& film, const Effort& effort);
+/// film's own. What `options` give stays.
+RenderJob at_effort(const RenderJob& film, const Effort& effort, const RenderOptions& options);
 
 renderer::Renderer renderer_of(const RenderJob& film, std::optional<renderer::Renderer::KnownLight> known = {});
 
