@@ -349,7 +349,7 @@ void Renderer::restore(core::ArchiveReader& archive) {
     // Light within volumes follows from the instant, and finds cells that the state replaces.
     if (impl_->posed_scene.air() != nullptr) impl_->light_volumes(impl_->air_instant(impl_->lights.points()));
     impl_->keep(archive);
-    if (!impl_->memory.records.is_sound(impl_->posed_scene.posed().objects.size()))
+    if (!impl_->memory.records.is_sound(impl_->posed_scene.posed()))
         throw core::Error("records of light are damaged");
 }
 

@@ -47,10 +47,14 @@ void IrradianceCache::forget_records() {
     records_.forget();
 }
 
-bool IrradianceCache::is_sound(std::size_t objects) const {
-    return std::ranges::all_of(records_.all(), [&](const IrradianceRecord& r) {
-        return r.address.object < objects && r.set < representative_sets;
-    });
+bool IrradianceCache::is_sound(const scene::Snapshot& posed) const {
+    const scene::Animation& scene = *posed.animation;
+    const auto is_there = [&](const core::SurfaceAddress& a) {
+        return a.object < scene.objects.size() &&
+               a.primitive < scene.meshes[static_cast<std::size_t>(scene.objects[a.object].mesh)].primitives();
+    };
+    return std::ranges::all_of(
+        records_.all(), [&](const IrradianceRecord& r) { return is_there(r.address) && r.set < representative_sets; });
 }
 
 std::vector<StoredRecord> IrradianceCache::found() const {

@@ -34,8 +34,8 @@ class IrradianceCache {
     /// Records of the chunk so far that earlier runs did not know.
     std::vector<StoredRecord> found() const;
 
-    /// Whether all records lie on one of so many objects, and were lit by representatives that there are.
-    bool is_sound(std::size_t objects) const;
+    /// Whether all records lie on surfaces that there are, and were lit by representatives that there are.
+    bool is_sound(const scene::Snapshot& posed) const;
 
     /// All that it knows of the chunk, between instants.
     template <class A>
