@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Ends renders at random moments by KILL, TERM and INT and goes on with them: every kind of output must come out with the
-bytes of an undisturbed run, leave nothing else behind and never hang.
+bytes of an undisturbed run, leave nothing else behind and never hang. Tells how long a signal took to end a render.
 
 usage: bench/signals.py PROGRAM [SIGNALS [SEED]]"""
 import json, os, pathlib, random, signal, subprocess, sys, tempfile, time
@@ -30,7 +30,7 @@ class Kind:
         self.name, self.base = name, base
         self.ending, self.options, still = OUTPUTS[name]
         self.scene = base / ("still.json" if still else "moving.json")
-        self.program, self.lit, self.again = program, 0, 0
+        self.program, self.lit, self.again, self.ends = program, 0, 0, []
         begin = time.monotonic()
         self.whole = self.finish("whole")
         self.seconds = time.monotonic() - begin
@@ -91,9 +91,11 @@ class Kind:
             time.sleep(random.uniform(0, self.seconds if self.name != "pipe" else 2 * self.seconds))
             which = random.choice([signal.SIGKILL, signal.SIGTERM, signal.SIGINT])
             process.send_signal(which)
+            sent = time.monotonic()
             text = self.told(process, 60)
             self.count(text)
             if process.returncode == 0: break
+            self.ends.append(time.monotonic() - sent)
             if process.returncode not in (-which, 128 + which): raise SystemExit(f"{self.name}: {process.returncode}: {text}")
             ended += 1
         found = self.finish(name)
@@ -121,7 +123,9 @@ def main():
     for kind in kinds:
         print(f"{kind.name:7} a film takes {kind.seconds:.1f} s; {kind.again} runs went on, behind "
               f"{kind.lit / max(1, kind.again):.0f} of {FRAMES} frames")
-    print(f"{ended} ends by a signal in {films} films: all have the bytes of an undisturbed run")
+    ends = sorted(end for kind in kinds for end in kind.ends)
+    print(f"{ended} ends by a signal in {films} films: all have the bytes of an undisturbed run; from signal to end "
+          f"{ends[len(ends) // 2]:.2f} s, {ends[-1]:.2f} at most")
     subprocess.run(["rm", "-rf", str(base)])
 
 
