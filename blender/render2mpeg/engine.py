@@ -12,7 +12,7 @@ from .film import STOPPED, Film
 from .live_view import LiveView
 from .program import INTERRUPTED, Refused, Run, keep_text, program
 from .scene_copy import Export, frame_of_film, on_main_thread
-from .settings import ONE_EYE, light_words
+from .settings import light_words
 
 
 
@@ -22,9 +22,23 @@ class Given:
     film, status = None, ""
 
 
-def fill(result, image, left, low):
-    """A result's colours, from an image's part of its size."""
-    part = read_colours(image)[::-1][low:low + result.resolution_y, :, left:left + result.resolution_x]
+def views_of(render):
+    """Names of what Blender shows; one without a name where that is no stereoscopy."""
+    if render.use_multiview and render.views_format == "STEREO_3D":
+        return [view.name for view in render.views if view.use]
+    return [""]
+
+
+def fill(result, image, view, size, left, low):
+    """A result's colours, from the part of an image that lies there in a view's picture of this size. Images of both eyes have them side
+    by side, or the left one's above."""
+    colours = read_colours(image)[::-1]
+    rows, _, columns = colours.shape
+    if view == "right":
+        left += size[0] if columns == 2 * size[0] else 0
+    else:
+        low += size[1] if rows == 2 * size[1] else 0
+    part = colours[low:low + result.resolution_y, :, left:left + result.resolution_x]
     if part.shape != (result.resolution_y, 4, result.resolution_x):
         raise Damaged(f"{image}: not of the scene's size")
     try:
@@ -51,8 +65,6 @@ class Render2mpegEngine(LiveView, bpy.types.RenderEngine):
         if depsgraph.view_layer.name != scene.view_layers[0].name:
             self.report({"WARNING"}, f"{depsgraph.view_layer.name}: the first view layer alone is rendered")
             return
-        if scene.render.use_multiview:
-            self.report({"WARNING"}, "Stereoscopy: these frames are of one eye; Render Film (render2mpeg) makes both")
         try:
             if self.is_animation:
                 self.answer(scene, depsgraph.view_layer)
@@ -112,7 +124,7 @@ class Render2mpegEngine(LiveView, bpy.types.RenderEngine):
             about = 1 if scene.render.use_motion_blur and scene.frame_current > 0 else 0
             number = frame_of_film(folder, scene, about)
             image = os.path.join(export.place, "still.%04d.exr")
-            run = Run(["render", folder, "-o", image, "--frames", f"{number}:{number}", *ONE_EYE] + light_words(scene.render2mpeg, film=False))
+            run = Run(["render", folder, "-o", image, "--frames", f"{number}:{number}"] + light_words(scene.render2mpeg, film=False))
             self.wait(run, "still")
             self.show(scene, layer, image % number)
             self.tell_lost(export.run.lost(), export.run.lines + run.lines)
@@ -147,13 +159,14 @@ class Render2mpegEngine(LiveView, bpy.types.RenderEngine):
         width, height = (size * render.resolution_percentage // 100 for size in (render.resolution_x, render.resolution_y))
         left = int(render.border_min_x * width) if render.use_border else 0
         low = int(render.border_min_y * height) if render.use_border else 0
-        result = self.begin_result(0, 0, width, height, layer=layer.name)
-        try:
-            fill(result, image, left, low)
-        except (RuntimeError, Damaged) as error:
-            raise Refused(" ".join(str(error).split())) from None
-        finally:
-            self.end_result(result)
+        for view in views_of(render):
+            result = self.begin_result(0, 0, width, height, layer=layer.name, view=view)
+            try:
+                fill(result, image, view, (width, height), left, low)
+            except (RuntimeError, Damaged) as error:
+                raise Refused(" ".join(str(error).split())) from None
+            finally:
+                self.end_result(result)
 
     def tell_lost(self, lost, lines):
         on_main_thread(lambda: keep_text("render2mpeg", lines), self.test_break)

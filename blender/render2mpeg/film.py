@@ -14,7 +14,7 @@ import shutil
 from .exr import Damaged, take_colours
 from .program import INTERRUPTED, Refused, Run
 from .scene_copy import frame_of_film
-from .settings import ONE_EYE, coding_words, light_words, output_of
+from .settings import coding_words, light_words, output_of
 
 STOPPED = "Stopped; Render Animation goes on where it was"
 
@@ -31,7 +31,7 @@ class Film:
         self.output = output_of(scene)
         self.work = self.output + ".blender"
         self.place, self.frames = os.path.join(self.work, "scene"), os.path.join(self.work, "frames")
-        self.words = ["render", self.place, "-o", self.output, "--overwrite", "--aov", self.frames, *ONE_EYE]
+        self.words = ["render", self.place, "-o", self.output, "--overwrite", "--aov", self.frames]
         self.words += coding_words(settings) + light_words(settings, film=True)
         if settings.report:
             self.words += ["--report", os.path.splitext(self.output)[0] + ".html"]

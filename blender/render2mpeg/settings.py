@@ -5,9 +5,6 @@ import bpy
 
 from .program import Refused
 
-# Frames that Blender gets are as large as its scene says, which is one eye's size.
-ONE_EYE = ("--stereo", "none")
-
 
 def light_words(settings, film):
     """Options of light, of films or of stills, which have no coding that hides anything."""

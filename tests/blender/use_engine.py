@@ -17,6 +17,9 @@ from install_extension import install  # noqa: E402
 
 repository, folder = sys.argv[sys.argv.index("--") + 1:]
 package = install(repository)
+sys.path.insert(0, os.path.dirname(package.__file__))
+from exr import read_colours, take_colours  # noqa: E402
+
 scene = bpy.context.scene
 render, settings = scene.render, scene.render2mpeg
 render.engine = "RENDER2MPEG"
@@ -79,6 +82,20 @@ part = still("part.exr")
 assert part.shape == (12, 16, 3) and (part == whole[12:24, 8:24]).all(), part.shape
 render.use_border = False
 
+# Both eyes.
+render.use_multiview, render.views_format, render.image_settings.views_format = True, "STEREO_3D", "INDIVIDUAL"
+scene.frame_start = scene.frame_end = begin + 2
+both = own(save("eyes.blend"), "--frames", "0:0") % 0
+scene.frame_start, scene.frame_end = begin, end
+render.filepath = os.path.join(folder, "eyes.exr")
+assert bpy.ops.render.render(write_still=True) == {"FINISHED"}
+render.use_multiview = False
+both = pixels(both)
+# Blender has no pixels of files that name their view.
+left, right = (read_colours(os.path.join(folder, f"eyes_{side}.exr"))[::-1, :0:-1].transpose(0, 2, 1) for side in "LR")
+assert both.shape == (24, 64, 3) and (both[:, :32] == left).all() and (both[:, 32:] == right).all(), both.shape
+assert (left != right).any()
+
 # A still of moving things is blurred by what they do before and after it, and only then.
 thing = next(thing for thing in scene.objects if thing.type == "MESH" and thing.animation_data is None)
 for frame, place in ((begin, -1), (begin + 4, 1)):
@@ -110,9 +127,6 @@ with open(settings.output, "rb") as ours, open(os.path.join(folder, "same.mpg"),
     assert ours.read() == same.read(), "another film"
 seen = [pixels(f"{render.filepath}{frame:04d}.exr") for frame in range(begin, begin + 3)]
 assert (seen[0] != seen[2]).any()
-sys.path.insert(0, os.path.dirname(package.__file__))
-from exr import take_colours  # noqa: E402
-
 for number, frame in enumerate(seen):
     take_colours(os.path.join(layers, f"frame_{number:04d}.exr"), os.path.join(folder, "colours.exr"))
     assert (frame == pixels(os.path.join(folder, "colours.exr"))).all()
