@@ -316,5 +316,35 @@ TEST(Encode, TakesFramesOfTiffAndJpeg) {
     EXPECT_LT(off / static_cast<double>(jpeg.size()), 3);
 }
 
+TEST(Encode, SaysThatFramesArePanoramasAndOfTwoEyesAndSparesTheirPoles) {
+    const Folder folder;
+    write_frames(inside(folder, "frames.y4m"), 64, 128, "25:1", "1:1", 3);
+    const std::string encode = program() + " encode -y --quiet --codec h264 --quantiser 8 " +
+                               inside(folder, "frames.y4m") + " -o " + inside(folder, "film.mp4");
+    const auto told = [&](const std::string& options) {
+        const auto made = run(encode + options);
+        EXPECT_EQ(made.status, 0) << made.output;
+        return json::parse(run(program() + " info --json --summary " + inside(folder, "film.mp4")).output);
+    };
+    const json flat = told(""), around = told(" --projection equirectangular --stereo top-bottom");
+    EXPECT_TRUE(flat.at("panorama").is_null() && flat.at("stereo").is_null());
+    EXPECT_EQ(around.at("panorama"), (json{0.0, 0.0, 0.0, 0.0}));
+    EXPECT_EQ(around.at("stereo"), "top-bottom");
+    EXPECT_LT(around.at("bytes").get<double>(), 0.97 * flat.at("bytes").get<double>()) << "poles are coded coarser";
+    const json half = told(" --projection vr180 --stereo side-by-side");
+    EXPECT_EQ(half.at("panorama"), (json{0.25, 0.0, 0.25, 0.0}));
+    EXPECT_EQ(half.at("stereo"), "side-by-side");
+
+    write_frames(inside(folder, "frames.y4m"), 62, 48, "25:1", "1:1", 1);
+    for (const auto& [options, words] : {std::pair{" --stereo side-by-side", "take an even width"},
+                                         {" --stereo left-right", "side-by-side"},
+                                         {" --projection fisheye", "vr180"}}) {
+        const auto refused = run(encode + options);
+        EXPECT_EQ(refused.status, 2) << refused.output;
+        EXPECT_NE(refused.output.find(words), std::string::npos) << refused.output;
+        EXPECT_EQ(std::count(refused.output.begin(), refused.output.end(), '\n'), 1) << refused.output;
+    }
+}
+
 }  // namespace
 }  // namespace render2mpeg::test

@@ -23,6 +23,7 @@
 #include "app/loop/picture_coder.h"
 #include "app/loop/render_job.h"
 #include "app/loop/resume.h"
+#include "app/loop/scene_settings.h"
 #include "app/loop/statistics_recorder.h"
 #include "app/options/mistakes.h"
 #include "app/options/output_kind.h"
@@ -141,6 +142,7 @@ Job prepare(const EncodeOptions& options) {
     job.film.frames = job.frames->frames();
     coding = coding_settings(options.coding, settle_shape(wishes_of(options, *job.frames), preset),
                              job.film.frames.first, options.output, view);
+    describe_view(options, coding);
     if (options.grain) coding.grain = *options.grain;
     job.film.keyframes = keyframes_of(options.coding);
     job.film.disc = preset != nullptr && preset->disc;

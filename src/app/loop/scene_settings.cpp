@@ -18,6 +18,15 @@
 namespace render2mpeg::app {
 namespace {
 
+const scene::SphereWindow& window_named(const std::string& panorama) {
+    const auto known = std::ranges::find(scene::panorama_names, panorama);
+    return scene::panorama_windows[static_cast<std::size_t>(known - scene::panorama_names.begin())];
+}
+
+core::FramePacking packing_named(const std::string& name) {
+    return static_cast<core::FramePacking>(std::ranges::find(core::packing_names, name) - core::packing_names.begin());
+}
+
 std::vector<int> objects_named(const scene::Animation& animation, const std::string& name) {
     std::vector<int> found;
     std::vector<std::string_view> names;
@@ -143,9 +152,7 @@ scene::LoadOptions load_options_of(const RenderOptions& options) {
 }
 
 void set_projection(scene::Animation& animation, const std::string& name) {
-    const auto known = std::ranges::find(scene::panorama_names, name);
-    const scene::SphereWindow& window =
-        scene::panorama_windows[static_cast<std::size_t>(known - scene::panorama_names.begin())];
+    const scene::SphereWindow& window = window_named(name);
     bool open = false;
     for (scene::CameraLens& lens : animation.cameras) {
         if (lens.projection == scene::ProjectionKind::orthographic)
@@ -161,10 +168,22 @@ void set_projection(scene::Animation& animation, const std::string& name) {
         animation.notes.push_back(fmt::format("--projection {}: a panorama has no lens, all of it is sharp", name));
 }
 
+namespace {
+
+void check_packing(core::FramePacking packing, const std::string& who, Size of_eye, const FilmOptions& options) {
+    const bool across = packing == core::FramePacking::side_by_side;
+    if ((across ? of_eye.width : of_eye.height) % 2 != 0)
+        throw UsageError(fmt::format("{}: {}x{} for each eye: take an even {}, so that no sample of colour is of both",
+                                     who, of_eye.width, of_eye.height, across ? "width" : "height"));
+    if (options.coding.preset)
+        throw UsageError(fmt::format("{}: the pictures of --for {} are for one eye; leave one of both out", who,
+                                     *options.coding.preset));
+}
+
+}  // namespace
+
 void set_stereo(scene::Animation& animation, const RenderOptions& options, Size of_eye) {
-    if (options.stereo)
-        animation.stereo = static_cast<core::FramePacking>(std::ranges::find(core::packing_names, *options.stereo) -
-                                                           core::packing_names.begin());
+    if (options.stereo) animation.stereo = packing_named(*options.stereo);
     if (animation.stereo == core::FramePacking::none) return;
     const std::string_view packing = core::name_of(animation.stereo);
     const std::string who = options.stereo ? fmt::format("--stereo {}", packing) : fmt::format("stereo {}", packing);
@@ -175,13 +194,7 @@ void set_stereo(scene::Animation& animation, const RenderOptions& options, Size 
             throw UsageError(
                 fmt::format("{}: the camera \"{}\" is one of parallel rays, which see no depth", who, lens.name));
     }
-    const bool across = animation.stereo == core::FramePacking::side_by_side;
-    if ((across ? of_eye.width : of_eye.height) % 2 != 0)
-        throw UsageError(fmt::format("{}: {}x{} for each eye: take an even {}, so that no sample of colour is of both",
-                                     who, of_eye.width, of_eye.height, across ? "width" : "height"));
-    if (options.coding.preset)
-        throw UsageError(fmt::format("{}: the pictures of --for {} are for one eye; leave one of both out", who,
-                                     *options.coding.preset));
+    check_packing(animation.stereo, who, of_eye, options);
     if (options.audit > 0)
         throw UsageError(fmt::format("--audit: with {} it would know one eye alone; leave one of both out", who));
 }
@@ -213,6 +226,13 @@ void tell_silent(scene::Animation& animation, const RenderOptions& options, cons
         if (const auto named = view_and_codec(subject)) tell(file, named->codec_in(file));
 }
 
+encoder::SphereBounds bounds_of(const scene::SphereWindow& window) {
+    const scene::SphereWindow whole;
+    const double turn = whole.east - whole.west, half = whole.north - whole.south;
+    return {(window.west - whole.west) / turn, (whole.north - window.north) / half, (whole.east - window.east) / turn,
+            (window.south - whole.south) / half};
+}
+
 std::optional<encoder::SphereBounds> sphere_of(scene::Animation& animation, const RenderOptions& options) {
     std::vector<const scene::CameraLens*> shown;
     for (const scene::Shot& shot : animation.shots)
@@ -229,10 +249,7 @@ std::optional<encoder::SphereBounds> sphere_of(scene::Animation& animation, cons
     if (!first.is_panorama()) return std::nullopt;
     tell_silent(animation, options, "panoramas",
                 [](const std::filesystem::path& file, encoder::Codec) { return av::tells_immersive(file); });
-    const scene::SphereWindow whole, &window = first.window;
-    const double turn = whole.east - whole.west, half = whole.north - whole.south;
-    return encoder::SphereBounds{(window.west - whole.west) / turn, (whole.north - window.north) / half,
-                                 (whole.east - window.east) / turn, (window.south - whole.south) / half};
+    return bounds_of(first.window);
 }
 
 core::FramePacking packing_of(scene::Animation& animation, const RenderOptions& options) {
@@ -248,6 +265,18 @@ core::FramePacking packing_of(scene::Animation& animation, const RenderOptions& 
 void describe_view(scene::Animation& animation, const RenderOptions& options, encoder::Settings& coding) {
     coding.sphere = sphere_of(animation, options);
     coding.packing = packing_of(animation, options);
+}
+
+void describe_view(const EncodeOptions& options, encoder::Settings& coding) {
+    if (options.projection) coding.sphere = bounds_of(window_named(*options.projection));
+    coding.packing = packing_named(options.stereo.value_or("none"));
+    if (coding.packing == core::FramePacking::none) return;
+    const bool across = coding.packing == core::FramePacking::side_by_side;
+    if ((across ? coding.width : coding.height) % 2 != 0)
+        throw UsageError(
+            fmt::format("--stereo {}: {}x{} has no halves of one size", *options.stereo, coding.width, coding.height));
+    check_packing(coding.packing, "--stereo " + *options.stereo,
+                  {coding.width / (across ? 2 : 1), coding.height / (across ? 1 : 2)}, options);
 }
 
 void change_scene(scene::Animation& animation, const RenderOptions& options) {

@@ -65,10 +65,7 @@ Rows file_rows(CommandLine& line) {
          "With -o -: what goes to standard output, picture by picture as it is made: a transport stream, bare MPEG-2, "
          "or uncompressed pictures (default: ts)",
          Words{"ts|m2v|y4m"}},
-        {"--as@encode", "", &o.as,
-         "With -o -: what goes to standard output, picture by picture as it is made: a transport stream, bare MPEG-2 "
-         "(default: ts)",
-         Words{"ts|m2v"}},
+        {"--as@encode", "", &o.as, "With -o -: a transport stream, or bare MPEG-2 (default: ts)", Words{"ts|m2v"}},
         {"--json@info", "", &line.info.json, "Print JSON instead of tables"},
         {"--summary", "", &line.info.summary, "Leave out the pictures one by one"},
     };
@@ -82,6 +79,9 @@ Rows scene_rows(CommandLine& line) {
          "Panoramas of all cameras: all around, or half of it (default: the scene's)", Words{"equirectangular|vr180"}},
         {"--stereo", scene, &o.stereo, "Pictures for two eyes, each of --size (default: the scene's)",
          Words{"side-by-side|top-bottom|none"}},
+        {"--projection@encode", picture, &line.encode.projection, "Frames are panoramas",
+         Words{"equirectangular|vr180"}},
+        {"--stereo@encode", picture, &line.encode.stereo, "Frames hold both eyes'", Words{"side-by-side|top-bottom"}},
         {"--animation", scene, &o.animation, "Animation to play, by name or index (default: all at once)", "NAME"},
         {"--variant", scene, &o.variant, "Variant of a glTF file's materials, by name or index (default: none of them)",
          "NAME"},

@@ -106,8 +106,9 @@ const std::vector<CommandRow> commands{
     {"encode", "Encode frames and motion of any renderer",
      "Motion: OpenEXR files with the number of their frame, as `render --aov` writes them (docs/coding.md).\n"
      "Example: render2mpeg encode shot.%04d.exr -o shot.mpg --motion shot.%04d.exr --exposure 0.5",
-     "FRAMES --output@encode --as@encode --fps@encode --frames@encode --display-aspect --pixel-aspect "
-     "--exposure@encode --view@encode --grain@encode --peak@encode --motion --motion-convention " +
+     "FRAMES --output@encode --as@encode --projection@encode --stereo@encode --fps@encode --frames@encode "
+     "--display-aspect --pixel-aspect --exposure@encode --view@encode --grain@encode --peak@encode --motion "
+     "--motion-convention " +
          coding_options + rate_options + group_options + sound_options +
          "--threads --stats --overwrite --quiet --progress"},
     {"plan", "Show what a film will take, which passes its scene calls for, and why",
