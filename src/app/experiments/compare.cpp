@@ -171,6 +171,7 @@ Comparing::Comparing(const TrialOptions& options, const RenderJob& film, const S
       trials_(film, middle_windows(film, sample.windows, sample.frames), options.references.value_or(4)) {
     trials_.mask_all();
     trials_.weigh_by_solid_angle();
+    trials_.ask_installed_metrics();
     found_.ffmpeg = ffmpeg;
     check_memory(trials_.bytes_held(true));
     const auto by_ffmpeg = [](const FfmpegWay& way) {
@@ -237,6 +238,10 @@ void Comparing::write(const std::vector<std::string>& words) const {
     const std::string answer = answer_of(found_, film().frame_count(), film().coding.quantiser);
     if (found_.complete && !is_quiet()) {
         print(difference_table(found_));
+        std::vector<NamedTrial> rows;
+        for (const Way& way : found_.ways)
+            for (const Trial& trial : way.rows) rows.emplace_back(row_name(way, trial), &trial);
+        print(installed_table(trials_, compare_name_width, rows));
         print_sentence(sentence_of(found_));
         print_sentence(answer);
         if (!found_.render.empty()) print("\n" + found_.render + "\n");

@@ -98,6 +98,7 @@ class Cost {
           asked_(film),
           sample_(sample),
           trials_(resized(film, sample.scale), middle_windows(film, sample.sweep.windows, sample.sweep.frames)) {
+        trials_.ask_installed_metrics();
         sweep_.forecast = sample.forecast;
         sweep_.pixels = static_cast<double>(film.format.width) * film.format.height;
         check_memory(trials_.bytes_held(false));
@@ -170,6 +171,10 @@ void Cost::write(const std::vector<std::string>& words) {
     const std::string answer = answer_of(costs, film.frame_count());
     if (!is_quiet()) {
         print(film_cost_table(costs));
+        std::vector<NamedTrial> rows;
+        for (const TrialRow& row : sweep_.rows)
+            rows.emplace_back((row.group == Sweep::effort ? "effort " : "") + row.name, &row.trial);
+        print(installed_table(trials_, cost_name_width, rows));
         print_sentence(answer);
         if (!sweep_.render.empty()) print("\n" + sweep_.render + "\n");
         if (!sweep_.complete) print_line("interrupted: this is a part of the table");

@@ -154,6 +154,7 @@ class Trials::Judge : public LoopObserver {
         if (known == trials_.references_.end()) return;
         const ReferenceFrame& truth = known->second;
         trial_.decoded.add(truth.mean_squared_error(picture.y), perceptual::ssim(picture.y, truth.picture.y));
+        if (trials_.installed_) judged_.push_back({truth.picture, picture});
         if (trial_.sample_frame && trial_.sample_frame->frame == number) {
             auto sample_frame = std::make_shared<SampleFrame>(*trial_.sample_frame);
             sample_frame->decoded = part_of(picture, view_of(picture.width(), picture.height()));
@@ -162,6 +163,12 @@ class Trials::Judge : public LoopObserver {
         trial_.shown_there.add(picture, lit, trials_.rows_);
         trial_.shown_masked_there += masked / trials_.references();
         trial_.masked_error += perceptual::masked_error(picture.y, known->second.picture.y) / trials_.references();
+    }
+
+    /// Ends a trial.
+    void finish() const {
+        if (trials_.installed_) trial_.installed = trials_.installed_->of(judged_, trials_.film_.colors());
+        if (trials_.worst_tenth_) trial_.shown = trial_.shown.worst_tenth();
     }
 
   private:
@@ -189,6 +196,7 @@ class Trials::Judge : public LoopObserver {
     Trial& trial_;
     LitWindows* keep_;
     std::map<std::int64_t, core::Picture> waiting_;  ///< lit, and not coded yet
+    std::vector<JudgedPicture> judged_;
 };
 
 Trials::Trials(const RenderJob& film, std::vector<Chunk> windows, int references)
@@ -241,7 +249,7 @@ std::optional<Trial> Trials::run(const RenderJob& film, const std::function<bool
     trial.cpu = whole.seconds / static_cast<double>(film_.frame_count());
     trial.clock = trial.cpu * core::divide_or(sample->clock, sample->cpu, 0.0);
     if (keep != nullptr) keep->light = trial;
-    if (worst_tenth_) trial.shown = trial.shown.worst_tenth();
+    judge.finish();
     return trial;
 }
 
@@ -299,7 +307,7 @@ Trial Trials::coded_by(const Codec& codec, const LitWindows& lit, const RenderJo
     trial.bytes /= trial.frames;
     set_film_bytes(trial, trial.bytes * core::divide_or(lit.light.film_bytes, lit.light.bytes, 1.0), film_);
     trial.code_seconds /= trial.frames;
-    if (worst_tenth_) trial.shown = trial.shown.worst_tenth();
+    judge.finish();
     return trial;
 }
 

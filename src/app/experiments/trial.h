@@ -10,6 +10,7 @@
 #include <optional>
 #include <vector>
 
+#include "app/experiments/installed_metrics.h"
 #include "app/loop/forecast.h"
 #include "app/loop/glare_filter.h"
 #include "app/loop/render_job.h"
@@ -74,7 +75,8 @@ struct Trial {
     std::uint64_t over_twice = 0;  ///< by more than twice of it
     perceptual::FilmQuality lit;   ///< of reference frames before coding
     perceptual::FilmQuality decoded;
-    double masked_error = 0;  ///< of decoded reference frames, mean; code values squared (perceptual/metrics.h)
+    InstalledQuality installed;  ///< of decoded reference frames, against the reference
+    double masked_error = 0;     ///< of decoded reference frames, mean; code values squared (perceptual/metrics.h)
     perceptual::FilmQuality shown, shown_there;  ///< decoded against the pictures as lit: all frames, and references
     double shown_masked = 0, shown_masked_there = 0;  ///< likewise; 0 where not requested
     bool has_references = false;
@@ -123,6 +125,9 @@ class Trials {
 
     /// Measures masked errors of all frames, which takes time (Trial::shown_masked).
     void mask_all() { masks_all_ = true; }
+    /// Asks other programs (Trial::installed), where they are installed.
+    void ask_installed_metrics() { installed_.emplace(); }
+    const std::optional<InstalledMetrics>& installed() const { return installed_; }
     /// Lets Trial::shown be that of the worst tenth of the frames.
     void judge_worst_tenth() { worst_tenth_ = true; }
 
@@ -183,6 +188,7 @@ class Trials {
     double reference_seconds_ = 0;
     int references_of_window_ = 1;
     bool masks_all_ = false, worst_tenth_ = false;
+    std::optional<InstalledMetrics> installed_;
     RunStatistics shown_statistics_;
     std::unique_ptr<GlareFilter> shown_;  ///< of references; made with the first
 };

@@ -55,6 +55,10 @@ const std::vector<TrialColumn> all_columns{
     {"psnr_y", [](const Trial& t) { return t.film_quality().psnr_y; }, "PSNR-Y", 6, psnr_text},
     {"ssim_y", [](const Trial& t) { return t.film_quality().ssim_y; }, "SSIM", 6, four_digits},
     {"psnr_hvs_m", [](const Trial& t) { return t.film_quality().psnr_hvs_m; }, "HVS-M", 6, psnr_text},
+    {"xpsnr_y", [](const Trial& t) { return t.installed.xpsnr_y.mean; }, "XPSNR", 12, psnr_text},
+    {"xpsnr_y_low", [](const Trial& t) { return t.installed.xpsnr_y.low; }, "lowest 5 %", 12, psnr_text},
+    {"ssimulacra2", [](const Trial& t) { return t.installed.ssimulacra2.mean; }, "SSIMULACRA2", 12, one_digit},
+    {"ssimulacra2_low", [](const Trial& t) { return t.installed.ssimulacra2.low; }, "lowest 5 %", 12, one_digit},
     {"lit_psnr_y", [](const Trial& t) { return t.lit.psnr_y(); }},
     {"lit_ssim_y", [](const Trial& t) { return t.lit.ssim_y(); }},
     {"bytes", [](const Trial& t) { return t.bytes; }, "size", 8, size_text},
@@ -84,6 +88,24 @@ std::string row_text(const TrialColumns& columns, const std::string& name, int w
     // The quantiser of a rate-controlled film says little.
     return text + fmt::format("\n{:<{}} {} of {} pictures coded coarser than that, to fit the buffer\n", "", width,
                               trial.requantised, trial.frames);
+}
+
+std::string installed_table(const Trials& trials, int width, const std::vector<NamedTrial>& rows) {
+    if (!trials.installed() || trials.references() == 0) return {};
+    const InstalledMetrics& metrics = *trials.installed();
+    TrialColumns shown;
+    if (metrics.has_xpsnr()) shown.insert(shown.end(), {"xpsnr_y", "xpsnr_y_low"});
+    if (metrics.has_ssimulacra2() && !trials.film().view.is_hdr())
+        shown.insert(shown.end(), {"ssimulacra2", "ssimulacra2_low"});
+    std::string text;
+    if (!shown.empty()) {
+        text = "\nOther programs' metrics of decoded reference frames: mean, lowest twentieth\n" +
+               heads_text(shown, "", width);
+        for (const auto& [name, trial] : rows) text += row_text(shown, name, width, *trial);
+    }
+    const std::string missing = metrics.missing();
+    constexpr int columns = 80;
+    return missing.empty() ? text : text + "\n" + wrapped(missing, columns) + "\n";
 }
 
 nlohmann::json figures_json(const Trial& trial) {
@@ -146,7 +168,8 @@ RenderJob prepare_trials(const RenderOptions& render, const TrialOptions& option
     if (encoder::facts_of(film.coding.codec).master)
         throw UsageError("--codec " + *render.coding.codec +
                          ": a master has no quantisers to try; choose another codec, or `render`");
-    if (film.is_stereo()) throw UsageError("stereo: settings are tried on films for one eye; say --stereo none");
+    if (film.is_stereo() && !options.beside)
+        throw UsageError("stereo: settings are tried on films for one eye; say --stereo none");
     for (const std::string& note : film.animation->notes)
         if (!render.quiet && !note.empty()) print_line(note);
     check_trial_outputs(film, options);

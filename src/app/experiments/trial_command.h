@@ -38,6 +38,10 @@ inline constexpr std::array options_of_trials{"--sample",         "--within",   
 std::string heads_text(const TrialColumns& columns, const std::string& name, int width);
 std::string row_text(const TrialColumns& columns, const std::string& name, int width, const Trial& trial);
 
+/// Table of what other programs tell of trials, which of them are missing in a line; empty where they were not asked.
+using NamedTrial = std::pair<std::string, const Trial*>;
+std::string installed_table(const Trials& trials, int width, const std::vector<NamedTrial>& rows);
+
 /// All figures of a trial by their keys, whatever a table shows; null for non-finite values.
 nlohmann::json figures_json(const Trial& trial);
 
