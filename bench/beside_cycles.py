@@ -2,14 +2,15 @@
 """Films as people make them by this program and by Cycles with a denoiser, both coded alike: what a quality costs, and how it flickers.
 
 beside_cycles.py [--peer bpy|debian] [--python PATH] [--size 320x180] [--frames A:B] [--spp 8,32,128] [--noise .1,.05] [--most-spp 512] [--truth-spp N]
-                 [--seed by-frame|fixed] [--guiding] [--quantisers 4,8,16] [--codec C] [--work FOLDER] [--page F.html] [--json F] [--csv F] PROGRAM FILM...
+                 [--seed by-frame|fixed] [--guiding] [--around] [--quantisers 4,8,16] [--codec C] [--work FOLDER] [--page F.html] [--json F] [--csv F] PROGRAM FILM...
 
 FILM: a .blend, a folder of them, or a script of people/ by its name. It is what `compare --beside cycles` does (blender/beside_cycles),
 of one window, on one thread, at several quantisers, with CPU seconds of everything: start, exports, loading, first frames, denoising,
 coding. What was made is kept in the work folder.
 
 --peer bpy is Blender as users have it: the module bpy of the Python PATH (or RENDER2MPEG_BPY), OpenImageDenoise with albedo and normal,
-prefiltered accurately, light tree and persistent data; it exports our films, too. Counts of samples (--spp) are fixed, --noise are
+prefiltered accurately, light tree and persistent data; it exports our films, too. --around
+makes them panoramas for both eyes (people/around.py), whose PSNR-Y counts by solid angle. Counts of samples (--spp) are fixed, --noise are
 thresholds of adaptive sampling. --peer debian is the Blender of the PATH, whose stand-in for a denoiser takes time that does not count.
 
 Columns of the first table: CPU seconds (user and system, of all processes) a frame; PSNR-Y and SSIM of decoded films against the truth,
@@ -46,6 +47,7 @@ parser.add_argument("--python", default=os.environ.get("RENDER2MPEG_BPY", "pytho
 parser.add_argument("--noise", default="")
 parser.add_argument("--seed", choices=("by-frame", "fixed"), default="by-frame")
 parser.add_argument("--guiding", action="store_true")
+parser.add_argument("--around", action="store_true")
 parser.add_argument("--work", type=pathlib.Path, default=HERE.parent / "build" / "bench-cache" / "people")
 parser.add_argument("--page", type=pathlib.Path)
 parser.add_argument("--json", type=pathlib.Path)
@@ -102,6 +104,13 @@ def found_films():
             raise SystemExit(f"{film}: no .blend, no folder, no script of {SCRIPTS}")
 
 
+def around(blend):
+    made = given.work / f"{blend.stem}-around-{hashlib.sha256(str(blend).encode()).hexdigest()[:12]}.blend"
+    if not made.exists():
+        blender("--disable-autoexec", blend, "--python", SCRIPTS / "around.py", "--", made)
+    return made
+
+
 def look(blend):
     blend = blend.resolve()
     folder = given.work / f"{blend.stem}-films"
@@ -133,7 +142,7 @@ def rows_of(name, found):
 BLENDER = started_blender()
 everything, pictures = {}, {}
 for name, blend in found_films():
-    everything[name] = found = look(blend)
+    everything[name] = found = look(around(blend) if given.around else blend)
     print(*rows_of(name, found), sep="\n", flush=True)
     if given.json:
         given.json.write_text(json.dumps(everything, indent=1))

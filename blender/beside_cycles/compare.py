@@ -30,6 +30,7 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, str(HERE))
 import denoise  # noqa: E402
 import exr  # noqa: E402
+import installed  # noqa: E402
 import judge  # noqa: E402
 
 WEIGHTS = np.array([0.2126, 0.7152, 0.0722])
@@ -89,6 +90,22 @@ def key_of(*parts):
     return hashlib.sha256(json.dumps(parts, default=str).encode()).hexdigest()[:12]
 
 
+PANORAMAS = {"equirectangular": (0, 0, 0, 0), "vr180": (0.25, 0, 0.25, 0)}  # shares of the sphere left off at the left, top, right, bottom
+
+
+def view_of(film):
+    """What a film's container says of its pictures: (options that have `encode` say the same, size, weights of its rows)."""
+    words = [PROGRAM, "info", "--json", "--summary", str(film)]
+    said = json.loads(subprocess.run(words, stdout=subprocess.PIPE, check=True).stdout)
+    shown, packing = said["panorama"], said["stereo"]
+    options = ["--stereo", packing] if packing else []
+    for name, bounds in PANORAMAS.items():
+        if shown and np.allclose(shown, bounds, atol=1e-6):
+            options += ["--projection", name]
+    below, beside = packing == "top-bottom", packing == "side-by-side"
+    return options, (WIDTH * (1 + beside), HEIGHT * (1 + below)), np.tile(judge.weights_of_rows(HEIGHT, shown), 1 + below)
+
+
 def text_of(name):
     return hashlib.sha256((HERE / name).read_bytes()).hexdigest()
 
@@ -135,11 +152,19 @@ class Window:
                 features = [np.concatenate([pick(said, *(f"Denoising Albedo.{c}" for c in "RGB"), *(f"Denoising Normal.{c}" for c in "XYZ")),
                                             np.minimum(pick(said, "Denoising Depth.Z"), 1e3)], -1) for said in layers]
                 light = [pick(said, "Combined.R", "Combined.G", "Combined.B") for said in layers]
-                exr.write(folder / f"{n:04d}.exr", denoise.denoised(light, (features[0] + features[1]) / 2))
+                exr.write(folder / f"{n:04d}.exr", exr.rgb(denoise.denoised(light, (features[0] + features[1]) / 2)))
                 (folder / "plain").mkdir(exist_ok=True)
-                exr.write(folder / "plain" / f"{n:04d}.exr", (light[0] + light[1]) / 2)
+                exr.write(folder / "plain" / f"{n:04d}.exr", exr.rgb((light[0] + light[1]) / 2))
         folder, _ = self.made(make, "regression", samples, *(str(h) for h, _ in halves), text_of("denoise.py"))
         return [folder, folder / "plain"], halves[0][1][0] + halves[1][1][0], halves[0][1][1]
+
+    def together(self, *halves):
+        """A folder of the halves' means."""
+        def make(folder):
+            for n in self.frames:
+                a, b = (exr.read(half / f"{n:04d}.exr") for half in halves)
+                exr.write(folder / f"{n:04d}.exr", {c: (a[c] + b[c]) / 2 for c in "RGB"})
+        return self.made(make, "mean", *map(str, halves))[0]
 
     def ours(self, quantiser, layers=False):
         """(folder with film.mkv, film.json and layers, CPU seconds)."""
@@ -176,11 +201,15 @@ class Window:
         told(name, "render2mpeg", told.OURS)
         ours = {q: self.ours(q, layers=q == quantisers[-1]) for q in quantisers}
         layers, _, said = ours[quantisers[-1]]
-        motion = list(judge.motion_of(layers / "layers", self.frames, WIDTH, HEIGHT))
-        halves = [judge.luma(self.coded(folder, said, "ffv1")[0], WIDTH, HEIGHT, 12) for folder in truth]
+        told_to_encode, size, weights = view_of(layers / "film.mkv")
+        motion = list(judge.motion_of(layers / "layers", self.frames, *size))
+        halves = [judge.luma(self.coded(folder, said, "ffv1")[0], *size, 12) for folder in truth]
+
+        whole = self.coded(self.together(*truth), said, "ffv1")[0]
 
         def judged(film, seconds):
-            return judge.judged(judge.luma(film, WIDTH, HEIGHT, BITS), film.stat().st_size, halves, motion) | {"cpu": seconds}
+            others = {"xpsnr_y": installed.xpsnr(film, whole, size[0] * size[1]), "ssimulacra2": installed.ssimulacra2(film, whole)}
+            return judge.judged(judge.luma(film, *size, BITS), film.stat().st_size, halves, motion, weights) | others | {"cpu": seconds}
 
         own = {q: judged(folder / "film.mkv", seconds) for q, (folder, seconds, _) in ours.items()}
         peers = {}
@@ -190,7 +219,7 @@ class Window:
                 told.of_window += count
             told(name, f"Cycles, {setting_of(count)}, denoised", work_of(count))
             folders, seconds, loading = self.denoised(count)
-            every = {q: [self.coded(folder, said, CODEC, "--quantiser", q) for folder in folders] for q in quantisers}
+            every = {q: [self.coded(folder, said, CODEC, "--quantiser", q, *told_to_encode) for folder in folders] for q in quantisers}
             spent = seconds + (loading if ORDER["everything"] else 0)
             rows = {q: [judged(film, spent + coding) for film, coding in films] for q, films in every.items()}
             better = min(range(len(folders)), key=lambda k: rows[quantisers[0]][k]["squares"])
@@ -210,9 +239,9 @@ class Window:
         effects = {e["effect"]: e["seconds"] for e in said["effects"] if e["seconds"]}
         return {"first": self.first, "last": self.last, **figures([self.sums]), "light": judge.brightness(self.light(layers / "layers", "frame_%04d.exr"), *map(self.light, truth)),
                 "effects": {effect: seconds / max(sum(effects.values()), 1e-9) for effect, seconds in sorted(effects.items(), key=lambda e: -e[1])},
-                "films": {"ours": {q: str(f / "film.mkv") for q, (f, *_) in ours.items()}, "cycles": {c: str(self.coded(p[0], said, CODEC, "--quantiser", quantisers[0])[0]) for c, p in peers.items()},
-                          "truth": str(self.coded(truth[0], said, "ffv1")[0])},
-                "truth_psnr_y": judge.noise_of(halves)}
+                "films": {"ours": {q: str(f / "film.mkv") for q, (f, *_) in ours.items()}, "cycles": {c: str(self.coded(p[0], said, CODEC, "--quantiser", quantisers[0], *told_to_encode)[0]) for c, p in peers.items()},
+                          "truth": str(whole)},
+                "psnr_y_by": "pixels" if np.all(weights == 1) else "solid angle", "truth_psnr_y": judge.noise_of(halves, weights)}
 
 
 def figures(sums):

@@ -70,16 +70,23 @@ def read(path):
     return picture
 
 
-def write(path, picture):
-    """(rows, columns, 3) as floats R G B, uncompressed."""
-    rows, columns, _ = picture.shape
+def rgb(picture):
+    """Channels of (rows, columns, 3)."""
+    return {c: picture[..., k] for k, c in enumerate("RGB")}
+
+
+def write(path, channels):
+    """{channel: (rows, columns)} as floats, uncompressed."""
+    names = sorted(channels)  # as the format wants them
+    planes = np.stack([channels[name] for name in names]).astype("<f4")
+    _, rows, columns = planes.shape
     box = struct.pack("<4i", 0, 0, columns - 1, rows - 1)
-    attributes = [("channels", "chlist", b"".join(c + struct.pack("<i4x2i", 2, 1, 1) for c in (b"B\0", b"G\0", b"R\0")) + b"\0"), ("compression", "compression", b"\0"),
+    attributes = [("channels", "chlist", b"".join(c.encode() + b"\0" + struct.pack("<i4x2i", 2, 1, 1) for c in names) + b"\0"), ("compression", "compression", b"\0"),
                   ("dataWindow", "box2i", box), ("displayWindow", "box2i", box), ("lineOrder", "lineOrder", b"\0"), ("pixelAspectRatio", "float", struct.pack("<f", 1)),
                   ("screenWindowCenter", "v2f", struct.pack("<2f", 0, 0)), ("screenWindowWidth", "float", struct.pack("<f", 1))]
     head = b"\x76\x2f\x31\x01\x02\0\0\0" + b"".join(n.encode() + b"\0" + k.encode() + b"\0" + struct.pack("<i", len(v)) + v for n, k, v in attributes) + b"\0"
-    size = 12 * columns
+    size = 4 * len(names) * columns
     with open(path, "wb") as file:
         file.write(head + struct.pack(f"<{rows}Q", *(len(head) + 8 * rows + (8 + size) * y for y in range(rows))))
-        for y, row in enumerate(np.asarray(picture, "<f4")):
-            file.write(struct.pack("<2i", y, size) + row[:, ::-1].T.tobytes())
+        for y in range(rows):
+            file.write(struct.pack("<2i", y, size) + planes[:, y].tobytes())

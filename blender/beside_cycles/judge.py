@@ -8,6 +8,7 @@ import subprocess
 import numpy as np
 
 from denoise import box
+from installed import mean_and_low
 
 
 def luma(film, width, height, bits):
@@ -47,24 +48,37 @@ def ssim(a, b):
     return float(np.mean((2 * mean[0] * mean[1] + 6.5025) * (2 * both + 58.5225) / ((mean[0]**2 + mean[1]**2 + 6.5025) * (square[0] + square[1] + 58.5225))))
 
 
-def judged(pictures, size, halves, motion):
-    """A film's sums, which add up over windows."""
+def weights_of_rows(height, panorama):
+    """What a pixel of each row counts, 1 in the mean: in panoramas, of which so much is left off at each side, its solid angle."""
+    if not panorama:
+        return np.ones(height)
+    _, top, _, bottom = panorama
+    weights = np.sin(np.pi * (top + (1 - top - bottom) * (np.arange(height) + .5) / height))
+    return weights / weights.mean()
+
+
+def judged(pictures, size, halves, motion, weights):
+    """A film's sums, which add up over windows. Squares are weighted by rows."""
     squares, points = flicker(pictures, halves, motion)
-    return {"frames": len(pictures), "bytes": size, "squares": float(np.sum(np.mean((pictures - halves[0]) * (pictures - halves[1]), (1, 2)))),
+    products = (pictures - halves[0]) * (pictures - halves[1]) * weights[:, None]
+    return {"frames": len(pictures), "bytes": size, "squares": float(np.sum(np.mean(products, (1, 2)))),
             "ssim": len(pictures) * ssim(pictures, (halves[0] + halves[1]) / 2), "flicker_squares": squares, "flicker_points": points}
 
 
-def noise_of(halves):
+def noise_of(halves, weights):
     """PSNR of the truth, the mean of its halves, by their difference: what is left of its own noise, which no figure has in it."""
-    return 10 * np.log10(255**2 / max(np.mean((halves[0] - halves[1]) ** 2) / 4, 1e-6))
+    return 10 * np.log10(255**2 / max(np.mean((halves[0] - halves[1]) ** 2 * weights[:, None]) / 4, 1e-6))
 
 
 def together(all_sums):
-    """Figures of windows' sums: CPU seconds a frame, dB, mean SSIM, bytes, code values of flicker."""
-    total = {key: sum(s[key] for s in all_sums) for key in all_sums[0]}
+    """Figures of windows' sums: CPU seconds a frame, dB, mean SSIM, other programs' metrics, bytes, code values of flicker."""
+    total = {key: sum((s[key] for s in all_sums[1:]), start=all_sums[0][key]) for key in all_sums[0]}
+    told = {}
+    for metric in ("xpsnr_y", "ssimulacra2"):
+        told[metric], told[f"{metric}_low"] = mean_and_low(total.get(metric, []))
     frames = total["frames"]
     return {"cpu": total["cpu"] / frames, "psnr_y": 10 * np.log10(255**2 / max(total["squares"] / frames, 1e-3)), "ssim_y": total["ssim"] / frames,
-            "bytes": total["bytes"], "flicker": np.sqrt(max(total["flicker_squares"], 0.0) / max(total["flicker_points"], 1))}
+            **told, "bytes": total["bytes"], "flicker": np.sqrt(max(total["flicker_squares"], 0.0) / max(total["flicker_points"], 1))}
 
 
 def at_equal_quality(ours, rows):

@@ -10,6 +10,7 @@ import numpy as np
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "blender" / "beside_cycles"))
 import exr  # noqa: E402
+import installed  # noqa: E402
 import judge  # noqa: E402
 from denoise import box, denoised  # noqa: E402
 
@@ -52,7 +53,7 @@ def test_black_pictures_and_even_features_are_no_fault():
 def test_files_come_back_as_they_were():
     picture = np.float32(random.normal(size=(5, 7, 3)))
     with tempfile.TemporaryDirectory() as folder:
-        exr.write(pathlib.Path(folder) / "a.exr", picture)
+        exr.write(pathlib.Path(folder) / "a.exr", exr.rgb(picture))
         found = exr.read(pathlib.Path(folder) / "a.exr")
     assert all(np.array_equal(found[c], picture[..., k]) for k, c in enumerate("RGB"))
 
@@ -69,11 +70,32 @@ def test_errors_are_those_of_films():
     truth, constant = np.full(shape, 100.0), random.normal(0, 2, shape[1:])
     halves = [truth + random.normal(0, 8, shape) for _ in range(2)]
     still = [(*np.mgrid[:shape[1], :shape[2]], np.ones(shape[1:], bool))] * 2
-    steady = judge.judged(truth + constant, 10, halves, still) | {"cpu": 3.0}
-    changing = judge.judged(truth + random.normal(0, 2, shape), 10, halves, still) | {"cpu": 3.0}
+    flat = judge.weights_of_rows(shape[1], None)
+    steady = judge.judged(truth + constant, 10, halves, still, flat) | {"cpu": 3.0}
+    changing = judge.judged(truth + random.normal(0, 2, shape), 10, halves, still, flat) | {"cpu": 3.0}
     assert abs(judge.together([steady])["psnr_y"] - 10 * np.log10(255**2 / np.mean(constant**2))) < 1
     assert judge.together([steady, changing])["bytes"] == 20
     assert judge.together([steady])["flicker"] < 1.5 and abs(judge.together([changing])["flicker"] - 2 * 2**0.5) < 0.8
+
+
+def test_rows_count_by_solid_angle():
+    weights = judge.weights_of_rows(90, [0, 0, 0, 0])
+    assert np.isclose(weights.mean(), 1) and np.isclose(weights[29] / weights[44], np.sin(np.radians(59)) / np.sin(np.radians(89)))
+    assert np.allclose(judge.weights_of_rows(45, [0, 0, 0, 0.5]) / weights[:45], weights[:45].mean() ** -1), "the upper half alone"
+    truth = np.full((1, 90, 8), 100.0)
+    pole, equator = truth.copy(), truth.copy()
+    pole[:, 0], equator[:, 45] = 110, 110
+    psnr = [judge.together([judge.judged(p, 1, [truth, truth], [], weights) | {"cpu": 1}])["psnr_y"] for p in (pole, equator)]
+    assert np.isclose(psnr[0] - psnr[1], 10 * np.log10(weights[45] / weights[0]))
+
+
+def test_other_metrics_have_means_and_lows_over_windows():
+    assert installed.mean_and_low([]) == (None, None)
+    assert installed.mean_and_low(range(1, 41)) == (20.5, 1.5)
+    truth = np.full((1, 8, 8), 100.0)
+    window = judge.judged(truth, 1, [truth, truth], [], judge.weights_of_rows(8, None)) | {"cpu": 1}
+    found = judge.together([window | {"xpsnr_y": [40.0], "ssimulacra2": []}, window | {"xpsnr_y": [30.0], "ssimulacra2": []}])
+    assert found["xpsnr_y"] == 35 and found["xpsnr_y_low"] == 30 and found["ssimulacra2"] is None
 
 
 def test_equal_quality_lies_on_the_curve():

@@ -91,6 +91,27 @@ TEST(BesideCycles, HoldsAFilmAgainstCyclesSlow) {
     EXPECT_NE(less.output.find("has no Cycles"), std::string::npos) << less.output;
 }
 
+TEST(BesideCycles, HoldsBothEyesAllAroundSlow) {
+    if (!support::blender_is_there()) GTEST_SKIP() << "Blender is not installed";
+    const Folder folder;
+    const std::string film = path(folder, "around.blend");
+    const support::Outcome made =
+        support::blender("-P " + (support::source_folder() / "bench/people/around.py").string() + " -- " + film);
+    ASSERT_EQ(made.status, 0) << made.output;
+    const support::Outcome outcome =
+        run(program() + " compare " + film + " --beside cycles --size 64x32 --sample 1x2 --quantisers 8 --json " +
+            path(folder, "found.json"));
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    EXPECT_NE(outcome.output.find("64x32 for two eyes (top-bottom)"), std::string::npos) << outcome.output;
+    EXPECT_NE(outcome.output.find("by solid angle (WS-PSNR)"), std::string::npos) << outcome.output;
+    const json found = json::parse(contents(folder / "found.json"));
+    EXPECT_EQ(found.at("psnr_y_by"), "solid angle");
+    const json& window = found.at("windows")[0];
+    EXPECT_NEAR(window.at("light").at("mean").get<double>(), 1.0, 0.03);
+    EXPECT_GT(window.at("ours").at("8").at("psnr_y").get<double>(), 30.0) << "each eye lies where Cycles has it";
+    EXPECT_GT(window.at("cycles").at("8").at("128").at("psnr_y").get<double>(), 30.0);
+}
+
 TEST(BesideCycles, NamesABlenderThatIsNone) {
     const Folder folder;
     std::ofstream(folder / "film.blend") << "BLENDER-v304";

@@ -13,10 +13,12 @@
 #include <string_view>
 #include <utility>
 
+#include "app/experiments/installed_metrics.h"
 #include "app/experiments/trial.h"
 #include "app/experiments/trial_command.h"
 #include "app/files/file_io.h"
 #include "app/files/temporary_folder.h"
+#include "app/loop/eyes.h"
 #include "app/options/usage_error.h"
 #include "app/system/interrupt.h"
 #include "app/system/program.h"
@@ -70,9 +72,9 @@ void check(const TrialOptions& options) {
         throw core::Error("running", "ffmpeg", "there is no such program; its package is called ffmpeg");
 }
 
-/// The film's size in small, even.
+/// The size of each eye's pictures in small, even.
 Size small_size(const RenderJob& film, const RenderOptions& render) {
-    const Size whole{film.coding.width, film.coding.height};
+    const Size whole{film.rendering.format.width, film.rendering.format.height};
     const auto own = film.animation->size.value_or(glm::ivec2(whole.width, whole.height));
     const double shape = 1.0 * whole.width * own.y / (1.0 * whole.height * own.x);
     if (std::abs(shape - 1) > 0.02)
@@ -167,6 +169,34 @@ std::string table_of(const json& found) {
     return text;
 }
 
+/// Metrics of other programs, or which of them are missing.
+std::string installed_table_of(const json& found) {
+    const json& all = found.at("all");
+    std::string text;
+    const auto row = [&](const std::string& name, int quantiser, const json& figures) {
+        std::string line = fmt::format("{:<24} {:>3}", name, quantiser);
+        bool is_known = false;
+        for (const char* key : {"xpsnr_y", "xpsnr_y_low", "ssimulacra2", "ssimulacra2_low"}) {
+            is_known = is_known || figures.at(key).is_number();
+            line += figures.at(key).is_number() ? fmt::format(" {:>11.2f}", number(figures, key))
+                                                : fmt::format(" {:>11}", "-");
+        }
+        if (is_known) text += line + "\n";
+    };
+    for (const auto& [quantiser, ours] : by_number(all.at("ours"))) {
+        row("render2mpeg", quantiser, ours);
+        for (const auto& [samples, figures] : by_number(all.at("cycles").at(std::to_string(quantiser))))
+            row(fmt::format("Cycles, {} samples", samples), quantiser, figures);
+    }
+    const std::string missing = InstalledMetrics().missing();
+    if (!text.empty())
+        text = fmt::format("\n{:<24} {:>3} {:>11} {:>11} {:>11} {:>11}\n", "", "q", "XPSNR", "lowest 5 %",
+                           "SSIMULACRA2", "lowest 5 %") +
+               text;
+    constexpr int columns = 80;
+    return missing.empty() ? text : text + "\n" + wrapped(missing, columns) + "\n";
+}
+
 /// Who denoised the peer's pictures, and how.
 std::string denoiser_text(const json& found) {
     if (found.at("denoiser") != "blender")
@@ -226,6 +256,8 @@ int compare_beside_cycles(const TrialOptions& options, const std::vector<std::st
     json found = InterruptGuard::requested() ? json() : found_by_blender(order);
     if (found.is_null()) return interrupted_before_rows(options.render.quiet);
     const json size = order.at("size");
+    const bool weighted = found.at("windows").front().at("psnr_y_by") != "pixels";
+    found["psnr_y_by"] = found.at("windows").front().at("psnr_y_by");
     found.update({{"command", line_of(words)},
                   {"version", RENDER2MPEG_VERSION},
                   {"input", film.animation->source},
@@ -235,10 +267,12 @@ int compare_beside_cycles(const TrialOptions& options, const std::vector<std::st
                   {"truth_samples", truth_samples},
                   {"summary", sentence_of_peers(found)}});
     if (!options.render.quiet) {
-        print(fmt::format("{} frames of {}x{}, {}; Cycles of Blender {}, {}\n", film.frame_count(),
-                          size.at(0).get<int>(), size.at(1).get<int>(), encoder::facts_of(film.coding.codec).name,
-                          found.at("blender").get<std::string>(), denoiser_text(found)));
-        print(table_of(found));
+        print(fmt::format("{} frames of {}x{}{}, {}; Cycles of Blender {}, {}\n", film.frame_count(),
+                          size.at(0).get<int>(), size.at(1).get<int>(), eyes_text(film.animation->stereo),
+                          encoder::facts_of(film.coding.codec).name, found.at("blender").get<std::string>(),
+                          denoiser_text(found)));
+        if (weighted) print_line("PSNR-Y is weighted by solid angle (WS-PSNR).");
+        print(table_of(found) + installed_table_of(found));
         print_sentence(found.at("summary"));
     }
     if (options.json) write_json(*options.json, found);
