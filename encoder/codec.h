@@ -44,6 +44,7 @@ struct CodecFacts {
     std::string_view not_on{};   ///< devices that do not play it
     bool master = false;         ///< for editors: each picture alone, at the codec's own rate
     bool has_srgb = true;        ///< its table of transfer functions has sRGB's
+    bool takes_blocks = false;   ///< it is told a quantiser for each macroblock
     bool tells_blocks = false;   ///< libavcodec tells how its macroblocks are predicted
     bool adds_grain = false;     ///< its decoders add film grain that its headers tell
 
@@ -88,6 +89,7 @@ inline constexpr std::array all_codecs{
                .endings = ".mpg .mpeg .vob .ts .m2v .mkv .mp4 .mov",
                .not_on = "browsers, phones",
                .has_srgb = false,
+               .takes_blocks = true,
                .tells_blocks = true},
     CodecFacts{.codec = Codec::h264,
                .word = "h264",
@@ -100,6 +102,7 @@ inline constexpr std::array all_codecs{
                .offsets = {2, 1},
                .ffmpeg = {"h264", "libx264", "slow", "veryfast", "preset", "yuv420p", "FFmpeg with libx264", ""},
                .endings = ".mp4 .mkv .mov .ts",
+               .takes_blocks = true,
                .tells_blocks = true},
     CodecFacts{.codec = Codec::hevc,
                .word = "hevc",
@@ -112,7 +115,8 @@ inline constexpr std::array all_codecs{
                .offsets = {2, 1},
                .ffmpeg = {"hevc", "libx265", "slow", "veryfast", "preset", "yuv420p10", "FFmpeg with libx265", "hvc1"},
                .endings = ".mp4 .mkv .mov .ts",
-               .not_on = "most browsers, devices from before 2016"},
+               .not_on = "most browsers, devices from before 2016",
+               .takes_blocks = true},
     CodecFacts{.codec = Codec::av1,
                .word = "av1",
                .name = "AV1",

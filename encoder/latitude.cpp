@@ -5,18 +5,9 @@
 #include <numbers>
 #include <numeric>
 
+#include "encoder/codec.h"
+
 namespace render2mpeg::encoder {
-namespace {
-
-/// As tolerances are widened (docs/model/tolerance.md).
-constexpr float largest_factor = 4;
-
-bool takes_quantisers_of_blocks(Codec codec) {
-    return codec == Codec::mpeg2 || codec == Codec::h264 || codec == Codec::hevc;
-}
-
-}  // namespace
-
 std::vector<float> weights_of_rows(const Settings& settings) {
     std::vector<float> weights;
     if (!settings.sphere) return weights;
@@ -30,15 +21,20 @@ std::vector<float> weights_of_rows(const Settings& settings) {
     return weights;
 }
 
+float latitude_factor(float weight) {
+    // chosen: 4, beyond 86.4 degrees of latitude, where two thousandths of the sphere are.
+    constexpr float most = 4;
+    return std::min(1 / std::sqrt(std::max(weight, 1e-6f)), most);
+}
+
 core::Plane<float> latitude_factors(const Settings& settings) {
     const std::vector<float> weights = weights_of_rows(settings);
-    if (weights.empty() || !takes_quantisers_of_blocks(settings.codec)) return {};
+    if (weights.empty() || !facts_of(settings.codec).takes_blocks) return {};
     core::Plane<float> factors((settings.width + 15) / 16, (settings.height + 15) / 16);
     for (int row = 0; row < factors.height(); ++row) {
         const auto first = weights.begin() + 16 * row, end = weights.begin() + std::min(16 * row + 16, settings.height);
         const float mean = std::accumulate(first, end, 0.0f) / static_cast<float>(end - first);
-        const float factor = std::min(1 / std::sqrt(std::max(mean, 1e-6f)), largest_factor);
-        std::fill(factors.row(row), factors.row(row) + factors.width(), factor);
+        std::fill(factors.row(row), factors.row(row) + factors.width(), latitude_factor(mean));
     }
     return factors;
 }

@@ -36,7 +36,8 @@ double quantisers_for_doubling(encoder::Codec codec) {
 
 /// Whether one quantiser is told to an encoder for all its pictures: each group then has its own encoder.
 bool has_one_quantiser(encoder::Codec codec) {
-    return codec == encoder::Codec::av1;
+    const encoder::CodecFacts& facts = encoder::facts_of(codec);
+    return !facts.takes_blocks && !facts.master;
 }
 
 /// The quantiser of a picture less that of a P picture that nothing refers to.

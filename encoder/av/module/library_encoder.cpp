@@ -152,8 +152,7 @@ class Library final : public LibraryEncoder {
         frame_->color_range = encoder_->color_range;
         // SVT-AV1 orders its pictures by itself.
         frame_->pict_type = settings_.codec == encoder::Codec::av1 ? AV_PICTURE_TYPE_NONE : type_of(order.type);
-        if (settings_.codec == encoder::Codec::h264 || settings_.codec == encoder::Codec::hevc)
-            add_offsets(order.quantisers, messages);
+        if (encoder::facts_of(settings_.codec).takes_blocks) add_offsets(order.quantisers, messages);
         check(avcodec_send_frame(encoder_.get(), frame_.get()), messages);
         receive(messages);
     }

@@ -7,6 +7,7 @@
 
 #include "app/loop/light_price.h"
 #include "core/error.h"
+#include "encoder/latitude.h"
 #include "encoder/prediction.h"
 #include "encoder/step_sizes.h"
 #include "perceptual/warp.h"
@@ -116,10 +117,8 @@ void Coupling::judge(const encoder::CodedPicture& coded) {
 
 void widen_poles(const scene::Camera& camera, core::ToleranceMap& tolerance) {
     if (camera.is_flat() || tolerance.is_reference()) return;
-    // chosen: 4, beyond 86.4 degrees of latitude, where two thousandths of the sphere are.
-    constexpr float most = 4;
     for (int y = 0; y < tolerance.pixels.height(); ++y) {
-        const float wider = std::min(1 / std::sqrt(std::max(camera.weight_of_row(y), 1e-6f)), most);
+        const float wider = encoder::latitude_factor(camera.weight_of_row(y));
         core::Tolerance* row = tolerance.pixels.row(y);
         for (int x = 0; x < tolerance.pixels.width(); ++x) {
             row[x].absolute *= wider;
