@@ -8,7 +8,7 @@
 namespace render2mpeg::encoder {
 namespace {
 
-/// AV1's steps by base_q_idx at 8 bits: linear up to this, then exponential. [AV1, 7.12.2] to 6 %
+/// Steps of AV1 and VP9 by base_q_idx at 8 bits: linear up to this, then exponential. [AV1, 7.12.2] to 6 %
 constexpr double linear_end = 95, doubling = 38.4;
 
 double av1_step(double index) {
@@ -30,7 +30,8 @@ double step_of(Codec codec, double quantiser) {
             // [H264, table 8-15]: doubles every six, 0.625 at 0.
             return 0.625 * std::exp2(quantiser / 6);
         case Codec::av1:
-            return av1_step(4 * quantiser);  // of SVT-AV1's 64 quantisers
+        case Codec::vp9:                     // [VP9, 8.6.1]: the same tables
+            return av1_step(4 * quantiser);  // of 64 quantisers of SVT-AV1 and libvpx
         case Codec::mpeg2:
         case Codec::prores:
         case Codec::prores_422:

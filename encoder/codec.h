@@ -56,6 +56,7 @@ struct CodecFacts {
     constexpr bool has_more_than_8_bits() const {
         return ffmpeg.pixels.ends_with("10") || ffmpeg.pixels.ends_with("12");
     }
+    /// Its films can have alpha.
     constexpr bool has_alpha() const { return ffmpeg.pixels.starts_with("yuva"); }
     constexpr std::string_view usual_ending() const { return endings.substr(0, endings.find(' ')); }
 };
@@ -127,9 +128,19 @@ inline constexpr std::array all_codecs{
                .at_1 = 9.6,
                .by_doubling = 11,
                .ffmpeg = {"av1", "libsvtav1", "6", "10", "preset", "yuv420p10", "FFmpeg with libsvtav1", ""},
-               .endings = ".mp4 .mkv",
+               .endings = ".mp4 .mkv .webm",
                .not_on = "phones and televisions from before 2021, most editors",
                .adds_grain = true},
+    CodecFacts{.codec = Codec::vp9,
+               .word = "vp9",
+               .name = "VP9",
+               .scale = "QP",
+               .coarsest = 63,
+               .at_1 = 9.6,
+               .by_doubling = 11,
+               .ffmpeg = {"vp9", "libvpx-vp9", "2", "5", "cpu-used", "yuva420p", "FFmpeg with libvpx", ""},
+               .endings = ".webm .mkv",
+               .not_on = "most editors, televisions; its alpha: Safari"},
     master_facts(Codec::prores, "prores", "ProRes", ".mov", false,
                  {"prores", "prores_ks", "hq", "hq", "profile", "yuv422p10", "FFmpeg", "apch"}),
     master_facts(Codec::prores_422, "prores_422", "ProRes 422", ".mov", false,
@@ -164,7 +175,7 @@ constexpr bool is_middle(std::int64_t index, std::int64_t length) {
 /// The distance of two levels of a predicted macroblock's coefficient in an orthonormal transform, code values, with
 /// the least weight of a matrix.
 double step_of(Codec codec, double quantiser);
-/// AV1's base_q_idx, not rounded, that has this step.
+/// The base_q_idx of AV1 and VP9, not rounded, that has this step.
 double av1_index_of(double step);
 
 /// The quantiser of a codec, not rounded, for about the PSNR of MPEG-2's `quantiser`, > 0.

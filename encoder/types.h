@@ -22,6 +22,7 @@ enum class Codec : std::uint8_t {
     h264,
     hevc,
     av1,
+    vp9,
     prores,
     prores_422,
     prores_lt,
@@ -96,6 +97,7 @@ struct Settings {
     core::LightLevel light;  ///< of the whole film, where a container is told it
     std::optional<SphereBounds> sphere;  ///< the pictures are panoramas, which containers can say; none: flat ones
     core::FramePacking packing = core::FramePacking::none;  ///< likewise, and H.264 itself
+    bool alpha = false;                                     ///< pictures have it (core::Picture::alpha)
     int grain = 0;       ///< ISO of film grain, 0 for none; decoders of AV1 add it, other pictures come with it
     int level = 0;       ///< ten times the level of a library's codec: 41 is 4.1; 0: the lowest that holds the pictures
     int references = 0;  ///< pictures that one may be predicted from in H.264; 0: as its level and effort have it

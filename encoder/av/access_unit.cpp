@@ -73,14 +73,16 @@ AccessUnit obus_apart(std::span<const std::uint8_t> bytes) {
     return unit;
 }
 
-/// The length of the headers, in four bytes, comes first.
-AccessUnit master_apart(std::span<const std::uint8_t> bytes) {
+/// The length of what a container keeps apart, in four bytes, comes first.
+AccessUnit parts_apart(encoder::Codec codec, std::span<const std::uint8_t> bytes) {
     std::size_t length = 0;
     for (std::size_t i = 0; i < 4 && i < bytes.size(); ++i) length = length << 8 | bytes[i];
     if (bytes.size() < 4 || length > bytes.size() - 4)
         throw core::Error("coded picture: its headers are longer than it is");
     const auto at = bytes.begin() + 4, middle = at + static_cast<std::ptrdiff_t>(length);
-    return {{at, middle}, {middle, bytes.end()}};
+    AccessUnit unit{{}, {middle, bytes.end()}, {}};
+    (codec == encoder::Codec::vp9 ? unit.alpha : unit.headers).assign(at, middle);
+    return unit;
 }
 
 }  // namespace
@@ -102,16 +104,20 @@ std::vector<Obu> obus_of(std::span<const std::uint8_t> bytes) {
     return obus;
 }
 
-std::vector<std::uint8_t> put_together(std::span<const std::uint8_t> headers, std::span<const std::uint8_t> picture) {
-    std::vector<std::uint8_t> bytes(4 + headers.size() + picture.size());
-    for (std::size_t i = 0; i < 4; ++i) bytes[i] = static_cast<std::uint8_t>(headers.size() >> (24 - 8 * i));
-    std::ranges::copy(headers, bytes.begin() + 4);
+bool has_byte_stream(encoder::Codec codec) {
+    return !encoder::facts_of(codec).master && codec != encoder::Codec::vp9;
+}
+
+std::vector<std::uint8_t> put_together(std::span<const std::uint8_t> apart, std::span<const std::uint8_t> picture) {
+    std::vector<std::uint8_t> bytes(4 + apart.size() + picture.size());
+    for (std::size_t i = 0; i < 4; ++i) bytes[i] = static_cast<std::uint8_t>(apart.size() >> (24 - 8 * i));
+    std::ranges::copy(apart, bytes.begin() + 4);
     std::ranges::copy(picture, bytes.end() - static_cast<std::ptrdiff_t>(picture.size()));
     return bytes;
 }
 
 AccessUnit taken_apart(encoder::Codec codec, std::span<const std::uint8_t> bytes) {
-    if (encoder::facts_of(codec).master) return master_apart(bytes);
+    if (!has_byte_stream(codec)) return parts_apart(codec, bytes);
     AccessUnit unit = codec == encoder::Codec::av1 ? obus_apart(bytes) : nal_units_apart(codec, bytes);
     if (unit.headers.empty() && unit.pictures.empty())
         throw core::Error("coded picture: the stream has no units that are known");

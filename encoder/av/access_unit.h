@@ -12,6 +12,7 @@ namespace render2mpeg::av {
 struct AccessUnit {
     std::vector<std::uint8_t> headers;   ///< parameter sets or sequence headers
     std::vector<std::uint8_t> pictures;  ///< the picture itself
+    std::vector<std::uint8_t> alpha;     ///< that of VP9, which has a stream of its own; empty: none
 };
 
 /// A unit of an AV1 stream [AV1, 5.3].
@@ -29,8 +30,11 @@ std::vector<Obu> obus_of(std::span<const std::uint8_t> bytes);
 /// messages, metadata, delimiters) are left out. Throws core::Error for other data. Not for MPEG-2.
 AccessUnit taken_apart(encoder::Codec codec, std::span<const std::uint8_t> bytes);
 
-/// A master's picture with its container's headers before it, which has no byte stream of its own; taken_apart() undoes
-/// it.
-std::vector<std::uint8_t> put_together(std::span<const std::uint8_t> headers, std::span<const std::uint8_t> picture);
+/// Whether pictures begin with what a decoder needs before them; else their container keeps that.
+bool has_byte_stream(encoder::Codec codec);
+
+/// A picture with what its container keeps apart before it, where the codec has no byte stream of its own: a master's
+/// headers, VP9's alpha. taken_apart() undoes it.
+std::vector<std::uint8_t> put_together(std::span<const std::uint8_t> apart, std::span<const std::uint8_t> picture);
 
 }  // namespace render2mpeg::av

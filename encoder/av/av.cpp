@@ -20,18 +20,19 @@ namespace render2mpeg::av {
 namespace {
 
 /// Endings and libavformat's names. Its own guess for .mpg is MPEG-1's system stream.
-constexpr std::array<std::pair<std::string_view, const char*>, 8> formats{{{".mpg", "vob"},
+constexpr std::array<std::pair<std::string_view, const char*>, 9> formats{{{".mpg", "vob"},
                                                                            {".mpeg", "vob"},
                                                                            {".vob", "vob"},
                                                                            {".ts", "mpegts"},
                                                                            {".m2v", "mpeg2video"},
                                                                            {".mkv", "matroska"},
+                                                                           {".webm", "webm"},
                                                                            {".mp4", "mp4"},
                                                                            {".mov", "mov"}}};
 
 /// Whether a container keeps a stream's headers apart from its pictures. Decoders of MPEG-2 and AV1 want both.
 bool keeps_headers_apart(std::string_view format, encoder::Codec codec) {
-    if (encoder::facts_of(codec).master) return true;
+    if (!has_byte_stream(codec)) return true;
     return (codec == encoder::Codec::h264 || codec == encoder::Codec::hevc) &&
            (format == "matroska" || format == "mp4" || format == "mov");
 }
@@ -66,7 +67,8 @@ const char* format_of(const std::filesystem::path& name) {
 const char* container_of(const std::filesystem::path& name, ProgramStream program_stream) {
     const char* format = format_of(name);
     if (format == nullptr)
-        throw core::Error("writing", name.string(), "its ending is none of mpg, mpeg, vob, ts, m2v, mkv, mp4, mov");
+        throw core::Error("writing", name.string(),
+                          "its ending is none of mpg, mpeg, vob, ts, m2v, mkv, webm, mp4, mov");
     return std::string_view(format) == "vob" && program_stream == ProgramStream::dvd ? "dvd" : format;
 }
 
@@ -139,7 +141,7 @@ Muxer::Muxer(const std::filesystem::path& file, const std::filesystem::path& nam
         throw core::Error("writing", file.string(), "cannot create the file");
     if (!sound.file.empty() && !can_have_sound(name))
         throw core::Error("writing", name.string(),
-                          "an elementary stream has no sound; .mpg, .ts, .mkv, .mp4 and .mov have");
+                          "an elementary stream has no sound; .mpg, .ts, .mkv, .webm, .mp4 and .mov have");
     *impl_ = {file, {}, format, settings, largest_picture, sound, nullptr, 0};
 }
 
@@ -172,9 +174,9 @@ void Muxer::write(std::span<const std::uint8_t> bytes, std::int64_t display_numb
     const std::int64_t presentation = fields(display_number);
     const Times times{presentation, fields(decoding), fields(display_number + 1) - presentation};
     if (keeps_headers_apart(impl_->format, impl_->settings.codec))
-        impl_->container->write(taken_apart(impl_->settings.codec, bytes).pictures, times, starts_gop);
+        impl_->container->write(taken_apart(impl_->settings.codec, bytes), times, starts_gop);
     else
-        impl_->container->write(bytes, times, starts_gop);
+        impl_->container->write({{}, {bytes.begin(), bytes.end()}, {}}, times, starts_gop);
 }
 
 void Muxer::finish() {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/picture.h"
+#include "encoder/av/access_unit.h"
 #include "encoder/av/av.h"
 #include "encoder/av/inspect.h"
 #include "encoder/av/sequence_facts.h"
@@ -23,7 +24,7 @@ namespace render2mpeg::av {
 /// Whether libavformat's `format` has words for panoramas and two eyes: boxes of MP4, ProjectionPrivate and StereoMode
 /// of Matroska. That of QuickTime has them in its files, but libavformat does not write them.
 constexpr bool format_tells_immersive(std::string_view format) {
-    return format == "mp4" || format == "matroska";
+    return format == "mp4" || format == "matroska" || format == "webm";
 }
 
 /// When a coded picture is shown and decoded, in fields from the film's beginning (encoder/cadence.h).
@@ -35,7 +36,8 @@ struct Times {
 class Container {
   public:
     virtual ~Container() = default;
-    virtual void write(std::span<const std::uint8_t> bytes, const Times& times, bool random_access) = 0;
+    /// Pictures and alpha; headers it has from the sequence's facts.
+    virtual void write(const AccessUnit& unit, const Times& times, bool random_access) = 0;
     virtual void finish() = 0;
 };
 
@@ -50,7 +52,7 @@ struct LibraryOrder {
 struct LibraryPicture {
     std::int64_t number = 0;
     encoder::PictureType type = encoder::PictureType::intra;
-    std::vector<std::uint8_t> bytes;
+    std::vector<std::uint8_t> bytes, alpha;  ///< alpha: of VP9, else empty
     core::Picture reconstruction;
     core::Plane<encoder::MacroblockRecord> macroblocks;  ///< empty: the decoder does not tell
 };

@@ -29,15 +29,20 @@ using encoder::CodedPicture;
 using encoder::PicturePlan;
 using encoder::PictureType;
 
-/// Quantisers of these codecs are logarithms: a step is twice as large after so many.
-double quantisers_for_doubling(encoder::Codec codec) {
-    return codec == encoder::Codec::av1 ? 9.6 : 6.0;  // of AV1 where qindex is above 95 (encoder/codec.cpp)
-}
-
 /// Whether one quantiser is told to an encoder for all its pictures: each group then has its own encoder.
 bool has_one_quantiser(encoder::Codec codec) {
     const encoder::CodecFacts& facts = encoder::facts_of(codec);
     return !facts.takes_blocks && !facts.master;
+}
+
+/// Steps of a quantiser that the encoder can be told.
+double steps_of(encoder::Codec codec) {
+    return codec == encoder::Codec::av1 ? steps_of_quantiser : 1;
+}
+
+/// Quantisers of these codecs are logarithms: a step is twice as large after so many.
+double quantisers_for_doubling(encoder::Codec codec) {
+    return has_one_quantiser(codec) ? 9.6 : 6.0;  // of AV1 and VP9 where qindex is above 95 (encoder/codec.cpp)
 }
 
 /// The quantiser of a picture less that of a P picture that nothing refers to.
@@ -70,7 +75,8 @@ class Rounding {
         if (starts_gop) {
             // The golden ratio's multiples fall evenly between whole numbers, wherever one begins.
             const double group = std::floor(static_cast<double>(number) / settings.gop), phase = 0.618034 * group + 0.5;
-            group_ = std::floor(steps_of_quantiser * exact + phase - std::floor(phase)) / steps_of_quantiser;
+            const double steps = steps_of(settings.codec);
+            group_ = std::floor(steps * exact + phase - std::floor(phase)) / steps;
         }
         return group_;
     }
@@ -143,12 +149,12 @@ class LibraryCoder final : public encoder::Coder {
         if (chunk_bits_ > 0) {
             // Its bits are known when the chunk is.
             kept_.push_back({std::move(planned), picture});
-            if (settings_.codec == encoder::Codec::h264) kept_.back().picture.luma = {};
+            if (!facts_.has_more_than_8_bits()) kept_.back().picture.luma = {};
             return complete;
         }
         send(picture, planned, planned.quantiser, complete);
         // Threads of other libraries decide when their pictures come, and light must not depend on that.
-        if (settings_.codec == encoder::Codec::h264 || facts_.master) collect(complete);
+        if (settings_.codec != encoder::Codec::hevc && settings_.codec != encoder::Codec::av1) collect(complete);
         return complete;
     }
 
@@ -189,7 +195,7 @@ class LibraryCoder final : public encoder::Coder {
     }
 
     double limited(double quantiser) const {
-        const double steps = has_one_quantiser(settings_.codec) ? steps_of_quantiser : 1.0;
+        const double steps = steps_of(settings_.codec);
         return std::clamp(std::round(steps * quantiser) / steps, static_cast<double>(facts_.finest),
                           static_cast<double>(facts_.coarsest));
     }
@@ -221,7 +227,7 @@ class LibraryCoder final : public encoder::Coder {
             finish(complete);
             encoder::Settings opened = settings_;
             // Offsets are from this one in x264 and x265; far from it they cost up to 6 dB at equal bits.
-            opened.quantiser = has_one_quantiser(settings_.codec)
+            opened.quantiser = settings_.codec == encoder::Codec::av1
                                    ? svt_quantiser(quantiser)
                                    : static_cast<int>(std::lround(limited(quantiser - planned.offset)));
             library_ = backend().open_encoder(opened, svt_index_offsets(quantiser));
@@ -307,8 +313,8 @@ class LibraryCoder final : public encoder::Coder {
         coded.quantiser = sent->quantiser;
         coded.coding_order = coding_order_++;
         // SVT-AV1's own header within the stream differs from the one that it tells beforehand.
-        if (facts_.master) {
-            coded.bytes = put_together(library_->headers(), picture.bytes);
+        if (!has_byte_stream(settings_.codec)) {
+            coded.bytes = put_together(facts_.master ? library_->headers() : picture.alpha, picture.bytes);
         } else {
             AccessUnit unit = taken_apart(settings_.codec, picture.bytes);
             if (coded.plan.starts_gop) coded.bytes = unit.headers.empty() ? library_->headers() : unit.headers;

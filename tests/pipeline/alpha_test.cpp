@@ -4,6 +4,7 @@
 #include <string>
 
 #include "image/image.h"
+#include "pipeline/browser.h"
 #include "pipeline/fixture.h"
 
 /// Frames where the world is hidden, and holes.
@@ -73,6 +74,104 @@ TEST_F(Alpha, OfProRes4444IsThatOfPng) {
             ASSERT_NEAR(static_cast<unsigned char>(film[i]), static_cast<unsigned char>(png[i]), 1) << name << i;
         EXPECT_GT(static_cast<unsigned char>(film[4 * (8 * 48 + 8)]), 100) << "the wall is not multiplied by alpha";
     }
+}
+
+/// A page that draws a film's first picture on an empty canvas, and says alpha of its thirds and red of the first one.
+constexpr const char* drawing_page = R"(<!DOCTYPE html><html><body><script>
+(async () => {
+  const video = document.createElement('video');
+  video.muted = true;
+  video.src = 'data:video/webm;base64,' + film;
+  await new Promise((done) => video.addEventListener('loadeddata', done, {once: true}));
+  const canvas = document.createElement('canvas');
+  [canvas.width, canvas.height] = [video.videoWidth, video.videoHeight];
+  const pen = canvas.getContext('2d', {willReadFrequently: true});
+  const at = (x) => pen.getImageData(x, 8, 1, 1).data;
+  for (let i = 0; i < 200 && at(8)[3] === 0; ++i) {
+    pen.drawImage(video, 0, 0);
+    await new Promise((done) => setTimeout(done, 20));
+  }
+  console.log('FOUND ' + JSON.stringify([at(8)[3], at(24)[3], at(40)[3], at(8)[0]]) + ' END');
+})();
+</script></body></html>)";
+
+class AlphaOfWebm : public Alpha {
+  protected:
+    void SetUp() override {
+        if (run("ffmpeg -v error -f lavfi -i color -frames:v 1 -c:v libvpx-vp9 -f null -").status != 0)
+            GTEST_SKIP() << "this FFmpeg has no libvpx";
+    }
+    std::string rgba(const std::string& name) const {
+        const bool is_vp9 = !name.ends_with(".mov") && !name.ends_with(".png");
+        return run(std::string("ffmpeg -v error -err_detect explode ") + (is_vp9 ? "-c:v libvpx-vp9 " : "") + "-i " +
+                   path(folder_, name) + " -frames:v 1 -f rawvideo -pix_fmt rgba -")
+            .output;
+    }
+    void expect_like_png(const std::string& name) const {
+        const std::string png = rgba("p.%04d.png"), film = rgba(name);
+        ASSERT_EQ(png.size(), 4u * 48 * 16);
+        ASSERT_EQ(film.size(), png.size()) << name;
+        for (int x = 0; x < 48; ++x) {
+            const auto code = [&](const std::string& of, int c) {
+                return static_cast<int>(static_cast<unsigned char>(
+                    of[4 * (8 * 48 + static_cast<std::size_t>(x)) + static_cast<std::size_t>(c)]));
+            };
+            EXPECT_NEAR(code(film, 3), code(png, 3), 8) << name << " at " << x;
+            // Colours beside the edge are of nothing that is seen.
+            if (x < 14) EXPECT_NEAR(code(film, 0), code(png, 0), 6) << name << " at " << x;
+        }
+    }
+};
+
+TEST_F(AlphaOfWebm, IsThatOfPng) {
+    render("m.webm", "--quantiser 2");
+    render("n.mp4", "--quantiser 2 --also neutral " + path(folder_, "o.webm"));
+    render("p.%04d.png");
+    for (const char* name : {"m.webm", "o.webm"}) expect_like_png(name);
+    EXPECT_NE(run("ffprobe -v error -show_streams " + path(folder_, "m.webm")).output.find("alpha_mode=1"),
+              std::string::npos);
+}
+
+TEST_F(AlphaOfWebm, IsThatOfFramesThatAreEncoded) {
+    render("p.%04d.png");
+    render("q.%04d.exr");
+    for (const char* made : {"p.%04d.png -q 2 -o r.webm", "q.%04d.exr -q 2 -o s.webm",
+                             "p.%04d.png -q 2 -o t.mkv --codec vp9", "q.%04d.exr -o u.mov --codec prores4444"}) {
+        const auto outcome =
+            run("cd " + folder_.path().string() + " && " + program() + " encode --quiet --fps 25 " + made);
+        ASSERT_EQ(outcome.status, 0) << outcome.output;
+    }
+    for (const char* name : {"r.webm", "s.webm", "t.mkv", "u.mov"}) expect_like_png(name);
+}
+
+TEST_F(AlphaOfWebm, IsNoneWhereTheFilmHasNone) {
+    render("v.webm", "--transparent off --quantiser 2 --frames 0:0");
+    const std::string holes = run("ffprobe -v error -show_streams " + path(folder_, "v.webm")).output;
+    EXPECT_NE(holes.find("alpha_mode=1"), std::string::npos) << "the hole stays";
+    std::string film = thirds;
+    for (const std::string& word : {std::string(R"(, "holdout": true)"), std::string(R"(, "transparent": true)")})
+        film.erase(film.find(word), word.size());
+    std::ofstream(folder_ / "thirds.json") << film;
+    render("w.webm", "--quantiser 2 --frames 0:0");
+    const std::string streams = run("ffprobe -v error -show_streams " + path(folder_, "w.webm")).output;
+    EXPECT_NE(streams.find("codec_name=vp9"), std::string::npos);
+    EXPECT_EQ(streams.find("alpha_mode"), std::string::npos);
+}
+
+TEST_F(AlphaOfWebm, IsShownByABrowserSlow) {
+    if (browser().empty()) GTEST_SKIP() << "there is no browser";
+    render("m.webm", "--quantiser 2");
+    render("p.%04d.png", "--frames 0:0");
+    const std::string page = path(folder_, "page.html");
+    std::ofstream(page) << "";
+    put_film(page, "film", path(folder_, "m.webm"));
+    std::ofstream(page, std::ios::app) << drawing_page;
+    const json said = said_by_page(folder_, page);
+    ASSERT_EQ(said.size(), 4u);
+    EXPECT_GT(said[0], 250);
+    EXPECT_LT(said[1], 5);
+    EXPECT_LT(said[2], 5);
+    EXPECT_NEAR(said[3].get<double>(), static_cast<unsigned char>(rgba("p.%04d.png")[4 * (8 * 48 + 8)]), 6);
 }
 
 TEST_F(Alpha, IsOneWhereTheSkyIsSeenAndHolesStay) {

@@ -42,6 +42,7 @@ TEST(Codecs, AreChosenByTheEndingOrByName) {
     EXPECT_EQ(encoded("f.mp4"), "h264");
     EXPECT_EQ(encoded("f.mov"), "h264");
     EXPECT_EQ(encoded("f.mkv"), "h264");
+    EXPECT_EQ(encoded("f.webm"), "vp9");
     EXPECT_EQ(encoded("g.ts", "--codec h264 --crf 30"), "h264");
     EXPECT_EQ(encoded("g.mp4", "--codec mpeg2"), "mpeg2");
     for (const char* codec : {"hevc", "av1"})
@@ -62,7 +63,7 @@ TEST(Codecs, RefuseInOneLineWhatTheyDoNotHave) {
     refused(mpg + "--crf 23", "--crf 23: MPEG-2's scale is that of --quantiser");
     refused(mpg + "--codec h264", "f.mpg: such files have no H.264; .mp4 and .mkv have");
     refused(mp4 + "--crf 60", "--crf 60: H.264 has 1 to 51");
-    refused(mp4 + "--codec av1 --tune perceptual", "--tune perceptual: SVT-AV1 takes no quantisers of blocks");
+    refused(mp4 + "--codec av1 --tune perceptual", "--tune perceptual: AV1 takes no quantisers of blocks");
     refused(mp4 + "--crf 23 -q 4", "--crf and --quantiser");
     refused(mp4 + "--bitrate 1M --cbr", "--cbr is MPEG-2's");
     refused(mp4 + "--bitrate 1M --passes 1", "--passes 1: a rate of H.264 needs two passes");

@@ -82,12 +82,14 @@ class File final : public Container {
         check(result, messages);
     }
 
-    void write(std::span<const std::uint8_t> bytes, const Times& times, bool random_access) override {
+    void write(const AccessUnit& unit, const Times& times, bool random_access) override {
         const Messages messages;
+        const std::vector<std::uint8_t>& bytes = unit.pictures;
         EXPECTS(context_->pb != nullptr && bytes.size() < std::numeric_limits<int>::max());
         if (sound_) sound_->write_until(static_cast<double>(times.decoding) * av_q2d(field_));
         check(av_new_packet(packet_.get(), static_cast<int>(bytes.size())), messages);
         std::copy(bytes.begin(), bytes.end(), packet_->data);
+        if (!unit.alpha.empty()) add_alpha(unit.alpha, messages);
         packet_->pts = times.presentation;
         packet_->dts = times.decoding;
         packet_->duration = times.duration;
@@ -120,6 +122,16 @@ class File final : public Container {
             avformat_free_context(context);
         }
     };
+
+    /// As Matroska's BlockAdditional of identifier 1 [WebM, alpha].
+    void add_alpha(const std::vector<std::uint8_t>& alpha, const Messages& messages) {
+        constexpr int id_bytes = 8;
+        std::uint8_t* data =
+            av_packet_new_side_data(packet_.get(), AV_PKT_DATA_MATROSKA_BLOCKADDITIONAL, id_bytes + alpha.size());
+        if (data == nullptr) check(AVERROR(ENOMEM), messages);
+        AV_WB64(data, 1);
+        std::copy(alpha.begin(), alpha.end(), data + id_bytes);
+    }
 
     static int close(AVFormatContext& context) {
         if ((context.flags & AVFMT_FLAG_CUSTOM_IO) == 0) return avio_closep(&context.pb);
@@ -163,7 +175,7 @@ class File final : public Container {
         const encoder::LibraryNames& names = encoder::facts_of(settings.codec).ffmpeg;
         // With its parameter sets in the header alone HEVC is hvc1, the name that Apple's players know.
         if (is_isom_ && !names.tag.empty()) codec.codec_tag = AV_RL32(names.tag.data());
-        codec.format = av_get_pix_fmt(names.pixels.data());
+        codec.format = pixels_of(settings);
         codec.width = settings.width;
         codec.height = settings.height;
         codec.sample_aspect_ratio = stream->sample_aspect_ratio;

@@ -150,6 +150,13 @@ inline AVCodecID id_of(encoder::Codec codec) {
     return known == nullptr ? AV_CODEC_ID_NONE : known->id;
 }
 
+/// Pixels of a film; alpha is left out where it has none and the codec can do without.
+inline AVPixelFormat pixels_of(const encoder::Settings& settings) {
+    const encoder::CodecFacts& facts = encoder::facts_of(settings.codec);
+    const bool can_do_without = facts.has_alpha() && !facts.master;
+    return can_do_without && !settings.alpha ? AV_PIX_FMT_YUV420P : av_get_pix_fmt(facts.ffmpeg.pixels.data());
+}
+
 /// Catches what FFmpeg would print on the terminal, while it lives and on its own thread: FFmpeg is asked for no
 /// threads. Messages of threads that have no Messages are dropped.
 class Messages {

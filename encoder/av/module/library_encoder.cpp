@@ -24,6 +24,8 @@ const char* library_of(encoder::Codec codec) {
     return encoder::facts_of(codec).ffmpeg.encoder.data();
 }
 
+constexpr const char* lost_alpha = "this machine's drops alpha; choose --codec prores4444, or --transparent off";
+
 const AVCodec& encoder_for(encoder::Codec codec) {
     const AVCodec* found = avcodec_find_encoder_by_name(library_of(codec));
     if (found == nullptr)
@@ -194,7 +196,7 @@ class Library final : public LibraryEncoder {
         AVCodecContext& e = *encoder_;
         e.width = settings_.width;
         e.height = settings_.height;
-        const AVPixelFormat wanted = av_get_pix_fmt(encoder::facts_of(settings_.codec).ffmpeg.pixels.data());
+        const AVPixelFormat wanted = pixels_of(settings_);
         const bool is_master = encoder::facts_of(settings_.codec).master;
         e.pix_fmt = is_master || takes(codec, wanted) ? wanted : AV_PIX_FMT_YUV420P;
         if (settings_.color_primaries == AVCOL_PRI_BT2020 && e.pix_fmt == AV_PIX_FMT_YUV420P)
@@ -231,6 +233,10 @@ class Library final : public LibraryEncoder {
             av_dict_set(&options, "svtav1-params", svt_settings(settings_, offsets_).c_str(), 0);
             return options;
         }
+        if (settings_.codec == encoder::Codec::vp9) {
+            add_vpx_options(options);
+            return options;
+        }
         av_dict_set_int(&options, "forced-idr", 1, 0);
         av_dict_set_int(&options, "crf", settings_.quantiser, 0);
         if (settings_.codec == encoder::Codec::hevc) {
@@ -239,6 +245,14 @@ class Library final : public LibraryEncoder {
             av_dict_set(&options, "x264-params", x264_settings(settings_).c_str(), 0);
         }
         return options;
+    }
+
+    /// All pictures have the quantiser that they are told: key pictures and golden ones would be finer by what libvpx
+    /// finds, and of references that are never shown it makes none beside alpha.
+    void add_vpx_options(AVDictionary*& options) const {
+        for (const char* name : {"crf", "qmin", "qmax"}) av_dict_set_int(&options, name, settings_.quantiser, 0);
+        for (const char* name : {"b", "auto-alt-ref", "lag-in-frames", "aq-mode", "row-mt"})
+            av_dict_set_int(&options, name, 0, 0);
     }
 
     void open_decoder(const Messages& messages) {
@@ -287,11 +301,20 @@ class Library final : public LibraryEncoder {
             LibraryPicture picture;
             picture.number = packet_->pts;
             picture.bytes.assign(packet_->data, packet_->data + packet_->size);
+            if (settings_.alpha && settings_.codec == encoder::Codec::vp9) picture.alpha = alpha_of(*packet_);
             waiting_.push_back({std::move(picture)});
             check(avcodec_send_packet(decoder_.get(), packet_.get()), messages);
             av_packet_unref(packet_.get());
             show(messages);
         }
+    }
+
+    /// Alpha's own stream, behind eight bytes of Matroska.
+    std::vector<std::uint8_t> alpha_of(const AVPacket& packet) const {
+        std::size_t size = 0;
+        const std::uint8_t* data = av_packet_get_side_data(&packet, AV_PKT_DATA_MATROSKA_BLOCKADDITIONAL, &size);
+        if (data == nullptr || size <= 8) throw core::Error("coding with", library_of(settings_.codec), lost_alpha);
+        return {data + 8, data + size};
     }
 
     void show(const Messages& messages) {
@@ -324,7 +347,9 @@ class Library final : public LibraryEncoder {
 }  // namespace
 
 void check_library_encoder(const encoder::Settings& settings) {
-    encoder_for(settings.codec);
+    const AVCodec& codec = encoder_for(settings.codec);
+    if (settings.alpha && settings.codec == encoder::Codec::vp9 && !takes(codec, pixels_of(settings)))
+        throw core::Error("coding with", library_of(settings.codec), lost_alpha);
     decoder_for(settings.codec);
 }
 

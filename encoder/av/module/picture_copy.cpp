@@ -139,6 +139,19 @@ void fill_chroma(AVFrame& frame, int plane, const Layout& layout, const core::Pl
     });
 }
 
+/// Alpha has all of its range.
+void fill_alpha(AVFrame& frame, const core::Plane<float>& alpha, int depth) {
+    const float most = static_cast<float>((1 << depth) - 1);
+    for (int y = 0; y < frame.height; ++y)
+        for (int x = 0; x < frame.width; ++x) {
+            const long value = std::lround(most * (alpha.empty() ? 1.0f : alpha.at(x, y)));
+            if (depth == 8)
+                row_of<std::uint8_t>(frame, 3, y)[x] = static_cast<std::uint8_t>(value);
+            else
+                row_of<std::uint16_t>(frame, 3, y)[x] = static_cast<std::uint16_t>(value);
+        }
+}
+
 }  // namespace
 
 bool is_known(const AVFrame& frame) {
@@ -163,6 +176,7 @@ core::Picture picture_of(const AVFrame& frame, std::int64_t number) {
 
 void fill(AVFrame& frame, const core::Picture& picture) {
     const Layout layout = layout_of(frame);
+    if (frame.data[3] != nullptr) fill_alpha(frame, picture.alpha, layout.depth);
     if (layout.down == 1) {
         if (layout.depth == 10 && !picture.luma.empty())
             fill_dithered(frame, picture);
@@ -181,11 +195,6 @@ void fill(AVFrame& frame, const core::Picture& picture) {
     }
     fill_chroma(frame, 1, layout, picture.full_cb, picture.cb);
     fill_chroma(frame, 2, layout, picture.full_cr, picture.cr);
-    if (frame.data[3] == nullptr) return;
-    // Alpha has all of its range.
-    const float scale = static_cast<float>((1 << layout.depth) - 1) / static_cast<float>(1 << (layout.depth - 8));
-    fill_exact(frame, 3, frame.width, frame.height, layout.depth,
-               [&](int x, int y) { return scale * (picture.alpha.empty() ? 1.0f : picture.alpha.at(x, y)); });
 }
 
 }  // namespace render2mpeg::av

@@ -15,6 +15,7 @@ AVCodecID codec_for(const AVFormatContext& container, bool ac3) {
     for (const encoder::CodecFacts& facts : encoder::all_codecs)
         if (facts.master && container.nb_streams > 0 && container.streams[0]->codecpar->codec_id == id_of(facts.codec))
             return AV_CODEC_ID_PCM_S24LE;
+    if (format == "webm") return AV_CODEC_ID_OPUS;
     if (format == "matroska" || format == "mp4" || format == "mov") return AV_CODEC_ID_AAC;
     return ac3 || format == "dvd" ? AV_CODEC_ID_AC3 : AV_CODEC_ID_MP2;
 }

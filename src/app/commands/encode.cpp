@@ -111,7 +111,7 @@ std::unique_ptr<MotionSource> motion_files(const EncodeOptions& options, const F
 Job prepare(const EncodeOptions& options) {
     if (kind_of(options.output) != OutputKind::film)
         throw core::Error("writing", options.output.string(),
-                          "a film is coded: .mpg, .vob, .ts, .m2v, .mkv, .mp4 or .mov");
+                          "a film is coded: .mpg, .vob, .ts, .m2v, .mkv, .webm, .mp4 or .mov");
     if (!options.as) check_apart({Files(options.input)}, {Files(options.output), Files(options.stats.value_or(""))});
     Job job;
     // Frames and their motion are often the same files.
@@ -134,7 +134,8 @@ Job prepare(const EncodeOptions& options) {
     // The writer of both may open this one first.
     std::unique_ptr<MotionPipe> motion_pipe;
     if (has_pipe) motion_pipe = std::make_unique<MotionPipe>(*options.motion);
-    const FilmSignals signals{{}, view, chroma_of(codec_of(options.coding, options.output), view)};
+    const encoder::Codec codec = codec_of(options.coding, options.output);
+    const FilmSignals signals{{}, view, chroma_of(codec, view), encoder::facts_of(codec).has_alpha()};
     job.frames = open_frames(options.input, options.exposure, options.frames, signals, shared);
     encoder::Settings& coding = job.film.coding;
     const Preset* preset = preset_of(options.coding);
@@ -143,6 +144,7 @@ Job prepare(const EncodeOptions& options) {
     coding = coding_settings(options.coding, settle_shape(wishes_of(options, *job.frames), preset),
                              job.film.frames.first, options.output, view);
     describe_view(options, coding);
+    coding.alpha = job.frames->has_alpha();
     if (options.grain) coding.grain = *options.grain;
     job.film.keyframes = keyframes_of(options.coding);
     job.film.disc = preset != nullptr && preset->disc;

@@ -132,7 +132,7 @@ std::optional<Sampled> sample_sizes(const RenderJob& film, const SpentTime& spen
 double sound_bytes(const av::Sound& sound, const std::filesystem::path& output, double seconds) {
     if (sound.file.empty()) return 0;
     const std::string ending = core::ending_of(output);
-    const bool aac = ending == ".mp4" || ending == ".mov" || ending == ".mkv";
+    const bool aac = ending == ".mp4" || ending == ".mov" || ending == ".mkv" || ending == ".webm";
     return sound.channels * (aac ? av::aac_rate : av::other_rate) / 8.0 * seconds;
 }
 

@@ -117,6 +117,7 @@ class ImageFrames : public FrameSource {
                 throw core::Error("reading", numbered(pattern_, n).string(), "no such file");
         const image::Image first = read_image(frames_.first);
         size_ = {first.pixels.width(), first.pixels.height()};
+        has_alpha_ = film.alpha && first.has_alpha;
         matrix_ = film.matrix.value_or(perceptual::matrix_for(size_.height, film.view));
         display_.emplace(exposure.value_or(0.0f), matrix_, film.view, chroma_);
         // Files that know no other shape say square pixels.
@@ -136,7 +137,11 @@ class ImageFrames : public FrameSource {
             throw core::Error("reading", numbered(pattern_, frame).string(),
                               fmt::format("it has {}x{} pixels, the first frame {}x{}", image.pixels.width(),
                                           image.pixels.height(), size_.width, size_.height));
-        const core::Plane<glm::vec3> colors = finite_colors(image);
+        core::Plane<float> alpha = has_alpha_ ? alpha_of(image) : core::Plane<float>();
+        core::Plane<glm::vec3> colors = finite_colors(image);
+        // Scene-linear colours are multiplied by alpha, code values are not.
+        for (std::size_t i = 0; image.high_range && i < alpha.size(); ++i)
+            colors.values()[i] /= std::max(alpha.values()[i], 1.0f / 255);
         core::Picture picture;
         if (image.high_range) {
             core::Radiance radiance;
@@ -146,10 +151,19 @@ class ImageFrames : public FrameSource {
             picture = perceptual::picture_of_signals(colors, matrix_, chroma_);
         }
         picture.number = frame;
+        picture.alpha = std::move(alpha);
         return picture;
     }
 
   private:
+    static core::Plane<float> alpha_of(const image::Image& image) {
+        core::Plane<float> alpha(image.pixels.width(), image.pixels.height());
+        for (std::size_t i = 0; i < alpha.size(); ++i) {
+            const float value = image.pixels.values()[i].w;
+            alpha.values()[i] = value > 0 ? std::min(value, 1.0f) : 0.0f;
+        }
+        return alpha;
+    }
     image::Image read_image(std::int64_t frame) const {
         const std::filesystem::path file = numbered(pattern_, frame);
         if (core::ending_of(file) != ".exr") return image::read_image(file, {}, file.string());
@@ -158,7 +172,7 @@ class ImageFrames : public FrameSource {
         if (shared_) shared_->put(frame, std::move(read.others));
         return std::move(read.image);
     }
-    /// Alpha is ignored: colours are premultiplied over black.
+    /// Values that are no numbers become 0.
     core::Plane<glm::vec3> finite_colors(const image::Image& image) {
         std::uint64_t found = 0;
         core::Plane<glm::vec3> colors(image.pixels.width(), image.pixels.height());

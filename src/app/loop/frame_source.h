@@ -30,6 +30,8 @@ class FrameSource {
     /// None where the frames do not say.
     std::optional<core::Rational> rate() const { return rate_; }
     std::optional<core::Rational> pixel_aspect() const { return pixel_aspect_; }
+    /// Whether the first frame has alpha, which its film is to have.
+    bool has_alpha() const { return has_alpha_; }
     /// Reads a frame, each once; none behind the end of an open-ended source. Thread-safe. Throws core::Error, also for
     /// another size.
     virtual std::optional<core::Picture> read(std::int64_t frame) = 0;
@@ -39,7 +41,7 @@ class FrameSource {
   protected:
     Size size_;
     FrameRange frames_;
-    bool is_open_ended_ = false;
+    bool is_open_ended_ = false, has_alpha_ = false;
     std::optional<core::Rational> rate_, pixel_aspect_;
 };
 
@@ -48,6 +50,7 @@ struct FilmSignals {
     std::optional<perceptual::ColorMatrix> matrix = {};  ///< none: by the pictures' height
     core::View view = {};                                ///< of scene-linear images
     perceptual::Chroma chroma = perceptual::Chroma::halved;
+    bool alpha = false;  ///< it has that of its images; else they are over black
 };
 
 /// Opens `-` (Y4M from standard input), `film.y4m`, `frames.%04d.exr` (scene-linear, developed with `exposure` EV,

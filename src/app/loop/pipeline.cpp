@@ -335,9 +335,8 @@ ChunkLoop::PackedLight ChunkLoop::pack(std::vector<renderer::Lit> eyes, const co
 
 core::Picture ChunkLoop::develop(const PackedLight& light, std::int64_t n) {
     const StageTimer timer(statistics_, Stage::develop);
-    const bool has_alpha = job_.kind == OutputKind::film && job_.has_alpha();
     core::Picture picture =
-        has_alpha ? display_.develop(light.as_shown(), light.mattes) : display_.develop(light.as_shown());
+        job_.coding.alpha ? display_.develop(light.as_shown(), light.mattes) : display_.develop(light.as_shown());
     picture.number = n;
     return picture;
 }

@@ -368,6 +368,7 @@ RenderJob prepare(const RenderOptions& wanted) {
     film.coding = coding_settings(options.coding, of_all, film.frames.first, options.output, film.view);
     if (film.kind == OutputKind::film) describe_view(*loaded, options, film.coding);
     film.coding.grain = options.grain.value_or(animation->grain);
+    film.coding.alpha = film.kind == OutputKind::film && film.has_alpha();
     film.rendering.mattes = options.layers || film.has_alpha() || has_alpha_beside(film, options);
     film.keyframes = keyframes_of(options.coding);
     film.two_passes = film.kind == OutputKind::film && two_passes(options.coding);

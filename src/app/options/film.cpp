@@ -29,10 +29,12 @@ namespace {
 
 /// The eye's, where a codec has quantisers by block: people compare films with its encoders' usual ones.
 encoder::Tune tune_of(const CodingOptions& options, encoder::Codec codec) {
-    const bool has_blocks = codec == encoder::Codec::h264 || codec == encoder::Codec::hevc;
-    if (!options.tune) return has_blocks ? encoder::Tune::perceptual : encoder::Tune::psnr;
-    if (*options.tune == "perceptual" && codec == encoder::Codec::av1)
-        throw UsageError("--tune perceptual: SVT-AV1 takes no quantisers of blocks; choose --codec hevc");
+    const encoder::CodecFacts& facts = encoder::facts_of(codec);
+    if (!options.tune)
+        return facts.takes_blocks && codec != encoder::Codec::mpeg2 ? encoder::Tune::perceptual : encoder::Tune::psnr;
+    if (*options.tune == "perceptual" && !facts.takes_blocks && !facts.master)
+        throw UsageError(fmt::format("--tune perceptual: {} takes no quantisers of blocks; choose --codec h264 or hevc",
+                                     facts.name));
     return *options.tune == "perceptual" ? encoder::Tune::perceptual : encoder::Tune::psnr;
 }
 
@@ -302,6 +304,8 @@ encoder::Codec codec_of(const CodingOptions& options, const std::filesystem::pat
             if (word == facts.word) codec = facts.codec;
     } else if (!options.preset && (ending == ".mp4" || ending == ".mov" || ending == ".mkv")) {
         codec = encoder::Codec::h264;
+    } else if (!options.preset && ending == ".webm") {
+        codec = encoder::Codec::vp9;
     }
     if (options.preset && codec != encoder::Codec::mpeg2)
         throw UsageError("--codec " + *options.codec + ": --for " + *options.preset + " is MPEG-2's world");

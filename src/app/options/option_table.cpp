@@ -60,7 +60,7 @@ Rows file_rows(CommandLine& line) {
         {"-o,--output@plan", "", &o.output, "Only its ending counts (default: a film)", "OUT"},
         {"-o,--output@tune", "", &o.output, "Film to make; with --dry-run not needed", "OUT"},
         {"-o,--output@encode", "", &o.output,
-         "Film to write: .mpg, .vob, .ts, .m2v, .mkv, .mp4 or .mov; `-`: standard output", "OUT", Required()},
+         "Film to write: .mpg, .vob, .ts, .m2v, .mkv, .webm, .mp4 or .mov; `-`: standard output", "OUT", Required()},
         {"--as", "", &o.as,
          "With -o -: what goes to standard output, picture by picture as it is made: a transport stream, bare MPEG-2, "
          "or uncompressed pictures (default: ts)",
@@ -175,7 +175,8 @@ Rows picture_rows(CommandLine& line) {
         {"--peak@encode", picture, &o.peak, "As for render",
          range(static_cast<int>(core::least_peak), static_cast<int>(core::largest_peak))},
         {"--transparent", picture, &o.transparent,
-         "Whether the camera does not see the sky, which shines all the same: frames have alpha, films black there "
+         "Whether the camera does not see the sky, which shines all the same: frames, .webm and ProRes 4444 have "
+         "alpha, other films black there "
          "(default: the animation file's or the .blend's, or off)",
          Words{"on|off"}},
         {"--motion", "Motion", &line.encode.motion,
@@ -247,7 +248,9 @@ Rows coding_rows(CommandLine& line) {
          "little finer, B pictures are coarser. Other codecs code to about the same quality",
          range(1, 31), ShownAs{"4"}, Idle::uncoded},
         {"--codec", coding, &o.codec,
-         "mpeg2, h264, hevc, av1 (default: h264 in .mp4, .mov, .mkv, else mpeg2); for editors prores, dnxhr, ffv1 ...",
+         "mpeg2, h264, hevc, av1, vp9 (default: h264 in .mp4, .mov, .mkv, vp9 in .webm, else mpeg2); for editors "
+         "prores, "
+         "dnxhr, ffv1 ...",
          "CODEC", Words{codecs.c_str()}, Idle::uncoded},
         {"--level", coding, into<level_from>(o.level),
          "Level of H.264 or AV1 that the film keeps to in size, pictures per second and references, e.g. 4.1 (default: "
@@ -292,7 +295,7 @@ Rows product_rows(CommandLine& line) {
     return {
         {"--audio", sound, &o.coding.audio,
          "Sound of the film: whatever FFmpeg reads, or `none` (default: the scene's). MPEG audio layer II in .mpg, "
-         ".vob and .ts, AC-3 with --for, AAC in .mkv, .mp4 and .mov; it ends with the film",
+         ".vob and .ts, AC-3 with --for, AAC in .mkv, .mp4 and .mov, Opus in .webm; it ends with the film",
          "FILE|none", Idle::uncoded},
         {"--audio-offset", sound, &o.coding.audio_offset,
          "Seconds after frame 0 at which the sound begins; below 0 its beginning is cut off", range(-1e5, 1e5), Shown(),

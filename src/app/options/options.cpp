@@ -98,7 +98,7 @@ const std::string trial_options = "--threads --isa --json@trial --report@trial -
 
 const std::vector<CommandRow> commands{
     {"render", "Render a film",
-     "The ending of OUT chooses what is written: .mpg and .vob (MPEG-2 program streams), .ts, .m2v, .mkv, .mp4, "
+     "The ending of OUT chooses what is written: .mpg and .vob (MPEG-2 program streams), .ts, .m2v, .mkv, .webm, .mp4, "
      ".mov; .y4m; or numbered images, e.g. frames.%04d.exr or frames.%04d.png.\n"
      "Example: render2mpeg render animations/cornell -o cornell.mpg --quantiser 6",
      scene_options + "--output@render --as --preview --effort " + film_options + sound_options + product_options +

@@ -234,7 +234,7 @@ std::optional<KeptFrames> ChunkProduction::kept_of(const Chunk& chunk) const {
     const encoder::CodecFacts& codec = encoder::facts_of(film_.coding.codec);
     of.unrounded = film_.kind == OutputKind::film && codec.has_more_than_8_bits();
     of.full_chroma = film_.kind == OutputKind::film && (codec.master || film_.view.is_hdr());
-    of.alpha = film_.kind == OutputKind::film && film_.has_alpha();
+    of.alpha = film_.coding.alpha;
     of.products = [this](std::int64_t n) { return images_of(film_, options_, {n, n}); };
     if (at_once_ == 1)
         of.add_times = [this](RunStatistics& own) {

@@ -40,6 +40,7 @@ encoder::Settings settings_of(const std::string& word, const std::filesystem::pa
     coding.grain = film.coding.grain;
     coding.sphere = film.coding.sphere;
     coding.packing = film.coding.packing;
+    coding.alpha = facts.has_alpha() && film.is_transparent();
     return coding;
 }
 
@@ -72,8 +73,8 @@ void ViewFilm::open(const Chunk& chunk) {
 }
 
 void ViewFilm::lit(const LitFrame& frame) {
-    const bool has_alpha = encoder::facts_of(film().coding.codec).has_alpha() && render_.is_transparent();
-    core::Picture picture = has_alpha ? display_->develop(frame.shown, frame.mattes) : display_->develop(frame.shown);
+    core::Picture picture =
+        film().coding.alpha ? display_->develop(frame.shown, frame.mattes) : display_->develop(frame.shown);
     picture.number = frame.world.frame;
     light_ += picture.level;
     const std::array<const core::Picture*, 1> shown{&picture};
