@@ -40,7 +40,8 @@ double step_of(Codec codec, double quantiser) {
         case Codec::prores4444:
         case Codec::prores4444xq:
         case Codec::dnxhr:
-        case Codec::ffv1:  // light of masters does not follow their steps
+        case Codec::ffv1:
+        case Codec::gif:  // light of masters does not follow their steps
             break;
     }
     return 2 * quantiser;

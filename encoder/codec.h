@@ -42,7 +42,7 @@ struct CodecFacts {
     LibraryNames ffmpeg{};
     std::string_view endings{};  ///< of files in which players look for it, the usual one first
     std::string_view not_on{};   ///< devices that do not play it
-    bool master = false;         ///< for editors: each picture alone, at the codec's own rate
+    bool master = false;         ///< no quantisers to choose: for editors, and GIF
     bool has_srgb = true;        ///< its table of transfer functions has sRGB's
     bool takes_blocks = false;   ///< it is told a quantiser for each macroblock
     bool tells_blocks = false;   ///< libavcodec tells how its macroblocks are predicted
@@ -156,7 +156,17 @@ inline constexpr std::array all_codecs{
     master_facts(Codec::dnxhr, "dnxhr", "DNxHR", ".mov", true,
                  {"dnxhd", "dnxhd", "dnxhr_hqx", "dnxhr_hqx", "profile", "yuv422p10", "FFmpeg", "AVdh"}, 256, 120),
     master_facts(Codec::ffv1, "ffv1", "FFV1", ".mkv", true,
-                 {"ffv1", "ffv1", "3", "3", "level", "yuv444p12", "FFmpeg", ""})};
+                 {"ffv1", "ffv1", "3", "3", "level", "yuv444p12", "FFmpeg", ""}),
+    CodecFacts{.codec = Codec::gif,
+               .word = "gif",
+               .name = "GIF",
+               .scale = "quantiser",
+               .least_width = 1,
+               .least_height = 1,
+               .ffmpeg = {"gif", "gif", "", "", "", "yuva444p", "FFmpeg", ""},
+               .endings = ".gif",
+               .not_on = "televisions, editors",
+               .master = true}};
 
 constexpr const CodecFacts& facts_of(Codec codec) {
     return all_codecs[static_cast<std::size_t>(codec)];

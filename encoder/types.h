@@ -16,7 +16,7 @@ namespace render2mpeg::encoder {
 
 enum class PictureType : std::uint8_t { intra = 1, predicted = 2, bidirectional = 3 };  ///< picture_coding_type
 
-/// How a film is coded: by our own MPEG-2 encoder, or by one of libavcodec's (encoder/av/coders.h).
+/// How a film is coded: by our own encoders of MPEG-2 and GIF, or by one of libavcodec's (encoder/av/coders.h).
 enum class Codec : std::uint8_t {
     mpeg2,
     h264,
@@ -30,7 +30,8 @@ enum class Codec : std::uint8_t {
     prores4444,
     prores4444xq,
     dnxhr,
-    ffv1
+    ffv1,
+    gif
 };
 
 /// How much is tried: one prediction mode per macroblock in full, or several.

@@ -12,6 +12,7 @@
 #include "core/text.h"
 #include "encoder/av/access_unit.h"
 #include "encoder/av/backend.h"
+#include "encoder/av/gif_codes.h"
 #include "encoder/av/inspect.h"
 #include "encoder/cadence.h"
 #include "encoder/codec.h"
@@ -20,15 +21,16 @@ namespace render2mpeg::av {
 namespace {
 
 /// Endings and libavformat's names. Its own guess for .mpg is MPEG-1's system stream.
-constexpr std::array<std::pair<std::string_view, const char*>, 9> formats{{{".mpg", "vob"},
-                                                                           {".mpeg", "vob"},
-                                                                           {".vob", "vob"},
-                                                                           {".ts", "mpegts"},
-                                                                           {".m2v", "mpeg2video"},
-                                                                           {".mkv", "matroska"},
-                                                                           {".webm", "webm"},
-                                                                           {".mp4", "mp4"},
-                                                                           {".mov", "mov"}}};
+constexpr std::array<std::pair<std::string_view, const char*>, 10> formats{{{".mpg", "vob"},
+                                                                            {".mpeg", "vob"},
+                                                                            {".vob", "vob"},
+                                                                            {".ts", "mpegts"},
+                                                                            {".m2v", "mpeg2video"},
+                                                                            {".mkv", "matroska"},
+                                                                            {".webm", "webm"},
+                                                                            {".gif", "gif"},
+                                                                            {".mp4", "mp4"},
+                                                                            {".mov", "mov"}}};
 
 /// Whether a container keeps a stream's headers apart from its pictures. Decoders of MPEG-2 and AV1 want both.
 bool keeps_headers_apart(std::string_view format, encoder::Codec codec) {
@@ -68,9 +70,35 @@ const char* container_of(const std::filesystem::path& name, ProgramStream progra
     const char* format = format_of(name);
     if (format == nullptr)
         throw core::Error("writing", name.string(),
-                          "its ending is none of mpg, mpeg, vob, ts, m2v, mkv, webm, mp4, mov");
+                          "its ending is none of mpg, mpeg, vob, ts, m2v, mkv, webm, mp4, mov, gif");
     return std::string_view(format) == "vob" && program_stream == ProgramStream::dvd ? "dvd" : format;
 }
+
+/// A film of GIF: its pictures one behind the other.
+class GifFile final : public Container {
+  public:
+    GifFile(const std::filesystem::path& file, const std::vector<std::uint8_t>& header)
+        : name_(file.string()), stream_(file, std::ios::binary | std::ios::trunc) {
+        put(header);
+    }
+    void write(const AccessUnit& unit, const Times&, bool) override { put(unit.pictures); }
+    void finish() override {
+        put({gif_trailer});
+        stream_.close();
+        check();
+    }
+
+  private:
+    void put(const std::vector<std::uint8_t>& bytes) {
+        stream_.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+        check();
+    }
+    void check() const {
+        if (!stream_) throw core::Error("writing", name_, "the disk is full, or failed");
+    }
+    std::string name_;
+    std::ofstream stream_;
+};
 
 }  // namespace
 
@@ -102,7 +130,7 @@ void check_film(const std::filesystem::path& name, encoder::Codec codec, const S
 
 bool can_have_sound(const std::filesystem::path& film) {
     const char* format = format_of(film);
-    return format != nullptr && std::string_view(format) != "mpeg2video";
+    return format != nullptr && std::string_view(format) != "mpeg2video" && std::string_view(format) != "gif";
 }
 
 int channels_of_sound(const std::filesystem::path& file) {
@@ -141,7 +169,7 @@ Muxer::Muxer(const std::filesystem::path& file, const std::filesystem::path& nam
         throw core::Error("writing", file.string(), "cannot create the file");
     if (!sound.file.empty() && !can_have_sound(name))
         throw core::Error("writing", name.string(),
-                          "an elementary stream has no sound; .mpg, .ts, .mkv, .webm, .mp4 and .mov have");
+                          "such a film has no sound; .mpg, .ts, .mkv, .webm, .mp4 and .mov have");
     *impl_ = {file, {}, format, settings, largest_picture, sound, nullptr, 0};
 }
 
@@ -164,8 +192,11 @@ void Muxer::write(std::span<const std::uint8_t> bytes, std::int64_t display_numb
         // ones.
         facts.largest_picture = impl_->largest_picture > 0 ? impl_->largest_picture : 2 * bytes.size();
         impl_->decoding_delay = facts.decoding_delay;
-        impl_->container =
-            backend().create(impl_->file, impl_->sink, impl_->format, impl_->settings, facts, impl_->sound);
+        if (impl_->settings.codec == encoder::Codec::gif)
+            impl_->container = std::make_unique<GifFile>(impl_->file, facts.headers);
+        else
+            impl_->container =
+                backend().create(impl_->file, impl_->sink, impl_->format, impl_->settings, facts, impl_->sound);
     }
     // A picture is decoded when the one before it in display order begins to be shown (encoder/cadence.h).
     const std::int64_t decoding = coding_order - impl_->decoding_delay;

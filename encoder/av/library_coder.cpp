@@ -12,6 +12,7 @@
 #include "encoder/av/av1_grain.h"
 #include "encoder/av/backend.h"
 #include "encoder/av/coders.h"
+#include "encoder/av/gif_coder.h"
 #include "encoder/av/levels.h"
 #include "encoder/av/svt_layers.h"
 #include "encoder/codec.h"
@@ -403,12 +404,14 @@ void check_modes(const encoder::Settings& settings) {
 void check(const encoder::Settings& settings) {
     if (settings.codec == encoder::Codec::mpeg2) return encoder::check(settings);
     check_modes(settings);
+    if (settings.codec == encoder::Codec::gif) return check_gif(settings);
     backend().check_encoder(settings);
 }
 
 std::unique_ptr<encoder::Coder> make_coder(const encoder::Settings& settings) {
     av::check(settings);
     if (settings.codec == encoder::Codec::mpeg2) return std::make_unique<encoder::Encoder>(settings);
+    if (settings.codec == encoder::Codec::gif) return std::make_unique<GifCoder>(settings);
     return std::make_unique<LibraryCoder>(settings);
 }
 

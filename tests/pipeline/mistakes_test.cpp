@@ -175,7 +175,6 @@ const std::vector<Mistake>& contradictions() {
         {"render S -o f.%d.png --tolerance coupled", 2, {"--tolerance coupled:", "fixed=P%"}},
         {"tune S --target-psnr 40 --target-ssim 0.9 --dry-run", 2, {"Give one of --target-psnr"}},
         {"tune S --target-psnr 40 --quality 3 --dry-run", 2, {"--quality: it is what is looked for"}},
-        {"render S -o x.gif", 2, {"x.gif", "ffmpeg -i film.mpg film.gif"}},
         {"render S -o x.wmv", 2, {"x.wmv", ".wmv is not written", ".mp4 or .mkv"}},
         {"render S -o x.jpg", 2, {"x.jpg", "only .png and .exr"}},
         {"render S -o x.mp3", 2, {"x.mp3", "it would be sound", "--audio"}},

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "core/sampling.h"
+#include "encoder/av/rgb_picture.h"
 
 namespace render2mpeg::av {
 namespace {
@@ -139,6 +140,15 @@ void fill_chroma(AVFrame& frame, int plane, const Layout& layout, const core::Pl
     });
 }
 
+/// GIF's; black where it is open.
+core::Picture picture_of_bgra(const AVFrame& frame) {
+    return picture_of_rgb(frame.width, frame.height, RgbMatrix::usual(frame.height), [&](int x, int y) {
+        const std::uint8_t* at = row_of<std::uint8_t>(frame, 0, y) + 4 * static_cast<std::ptrdiff_t>(x);
+        return at[3] == 0 ? Rgb{}
+                          : Rgb{static_cast<float>(at[2]), static_cast<float>(at[1]), static_cast<float>(at[0])};
+    });
+}
+
 /// Alpha has all of its range.
 void fill_alpha(AVFrame& frame, const core::Plane<float>& alpha, int depth) {
     const float most = static_cast<float>((1 << depth) - 1);
@@ -155,6 +165,7 @@ void fill_alpha(AVFrame& frame, const core::Plane<float>& alpha, int depth) {
 }  // namespace
 
 bool is_known(const AVFrame& frame) {
+    if (frame.format == AV_PIX_FMT_BGRA) return true;
     const AVPixFmtDescriptor* format = av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame.format));
     constexpr auto others = AV_PIX_FMT_FLAG_RGB | AV_PIX_FMT_FLAG_BE;
     if (format == nullptr || format->nb_components < 3 || (format->flags & others) != 0) return false;
@@ -165,8 +176,13 @@ bool is_known(const AVFrame& frame) {
 }
 
 core::Picture picture_of(const AVFrame& frame, std::int64_t number) {
-    const Layout layout = layout_of(frame);
     core::Picture picture;
+    if (frame.format == AV_PIX_FMT_BGRA) {
+        picture = picture_of_bgra(frame);
+        picture.number = number;
+        return picture;
+    }
+    const Layout layout = layout_of(frame);
     picture.number = number;
     picture.y = luma_of(frame, layout);
     picture.cb = chroma_of(frame, layout, 1);

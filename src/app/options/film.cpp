@@ -306,6 +306,8 @@ encoder::Codec codec_of(const CodingOptions& options, const std::filesystem::pat
         codec = encoder::Codec::h264;
     } else if (!options.preset && ending == ".webm") {
         codec = encoder::Codec::vp9;
+    } else if (!options.preset && ending == ".gif") {
+        codec = encoder::Codec::gif;
     }
     if (options.preset && codec != encoder::Codec::mpeg2)
         throw UsageError("--codec " + *options.codec + ": --for " + *options.preset + " is MPEG-2's world");

@@ -338,7 +338,6 @@ std::string not_a_film(const std::filesystem::path& file) {
 std::string instead_of(const std::filesystem::path& output) {
     const std::string ending = core::ending_of(output);
     if (ending.empty()) return "its name needs an ending, such as " + output.filename().string() + ".mpg";
-    if (ending == ".gif") return ".gif is not written; render a film, then `ffmpeg -i film.mpg film.gif`";
     if (is_one_of(pictures, output)) return ending + " is not written; of pictures only .png and .exr are";
     if (is_scene(output)) return "it would be a scene; which film is to be made of it? For example -o film.mpg";
     if (is_one_of(sounds, output)) return "it would be sound; --audio adds sound to a film";

@@ -50,7 +50,7 @@ void check_view_film(const std::string& view, const std::filesystem::path& outpu
     try {
         av::check(settings_of(view, output, film));
         if (!film.sound.file.empty() && !av::can_have_sound(output))
-            throw core::Error("an elementary stream has no sound; choose another ending");
+            throw core::Error("such a film has no sound; choose another ending");
     } catch (const core::Error& error) {
         throw core::Error("also " + view + ": " + output.string() + " cannot be coded: " + error.what());
     }
