@@ -41,6 +41,7 @@ double step_of(Codec codec, double quantiser) {
         case Codec::prores4444xq:
         case Codec::dnxhr:
         case Codec::ffv1:
+        case Codec::h264_lossless:
         case Codec::gif:  // light of masters does not follow their steps
             break;
     }

@@ -31,6 +31,7 @@ enum class Codec : std::uint8_t {
     prores4444xq,
     dnxhr,
     ffv1,
+    h264_lossless,
     gif
 };
 

@@ -153,5 +153,24 @@ INSTANTIATE_TEST_SUITE_P(Codecs, Masters,
                                          Master{"ffv1", ".mkv", "yuv444p12le", "", "64x48", 0.001}),
                          [](const auto& tested) { return std::string(tested.param.codec); });
 
+TEST(Lossless, H264KeepsEverySampleOf444) {
+    const Folder folder;
+    const auto drawn = run("ffmpeg -v error -f lavfi -i testsrc2=s=96x64:r=25:d=0.2 -pix_fmt yuv444p -strict -1 " +
+                           path(folder, "f.y4m"));
+    ASSERT_EQ(drawn.status, 0) << drawn.output;
+    const auto raw = [&](const std::string& file) {
+        return run("ffmpeg -v error -err_detect explode -i " + path(folder, file) + " -f rawvideo -").output;
+    };
+    const std::string source = raw("f.y4m");
+    ASSERT_EQ(source.size(), 5u * 3 * 96 * 64);
+    for (const char* film : {"m.mp4", "m.mov", "m.mkv"}) {
+        const auto made = run(program() + " encode " + path(folder, "f.y4m") + " --quiet --codec h264_lossless -o " +
+                              path(folder, film));
+        ASSERT_EQ(made.status, 0) << made.output;
+        EXPECT_EQ(ffprobe(path(folder, film)).value("pix_fmt", ""), "yuv444p");
+        EXPECT_TRUE(raw(film) == source) << film;
+    }
+}
+
 }  // namespace
 }  // namespace render2mpeg::test

@@ -65,7 +65,7 @@ class File final : public Container {
         if (std::strcmp(format, "mov") == 0 && encoder::facts_of(settings.codec).master)
             av_dict_set(&context->metadata, "timecode", "00:00:00:00", 0);
         describe_stream(settings, facts, messages);
-        if (!sound.file.empty()) sound_ = std::make_unique<SoundTrack>(sound, *context);
+        if (!sound.file.empty()) sound_ = std::make_unique<SoundTrack>(sound, *context, settings.codec);
 
         AVDictionary* options = nullptr;
         if (is_dvd_ || is_plain_program_)
@@ -303,7 +303,7 @@ void check_container(const std::filesystem::path& name, const char* format, enco
     Sound second = sound;
     second.seconds = 1;
     second.offset = 0;
-    const SoundTrack track(second, *context);
+    const SoundTrack track(second, *context, codec);
 }
 
 }  // namespace render2mpeg::av

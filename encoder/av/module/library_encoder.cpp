@@ -227,6 +227,7 @@ class Library final : public LibraryEncoder {
         const encoder::LibraryNames& names = encoder::facts_of(settings_.codec).ffmpeg;
         const bool fast = settings_.effort == encoder::Effort::fast;
         av_dict_set(&options, names.choice.data(), (fast ? names.fast : names.quality).data(), 0);
+        if (settings_.codec == encoder::Codec::h264_lossless) av_dict_set_int(&options, "qp", 0, 0);
         if (encoder::facts_of(settings_.codec).master) return options;
         if (settings_.codec == encoder::Codec::av1) {
             av_dict_set_int(&options, "crf", settings_.quantiser, 0);

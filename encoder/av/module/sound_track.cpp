@@ -9,12 +9,10 @@
 namespace render2mpeg::av {
 namespace {
 
-AVCodecID codec_for(const AVFormatContext& container, bool ac3) {
+AVCodecID codec_for(const AVFormatContext& container, encoder::Codec codec, bool ac3) {
     const std::string format = container.oformat->name;
-    // Masters' sound is not coded either.
-    for (const encoder::CodecFacts& facts : encoder::all_codecs)
-        if (facts.master && container.nb_streams > 0 && container.streams[0]->codecpar->codec_id == id_of(facts.codec))
-            return AV_CODEC_ID_PCM_S24LE;
+    // Masters' sound is not coded either, where their container can have such.
+    if (encoder::facts_of(codec).master && format != "mp4") return AV_CODEC_ID_PCM_S24LE;
     if (format == "webm") return AV_CODEC_ID_OPUS;
     if (format == "matroska" || format == "mp4" || format == "mov") return AV_CODEC_ID_AAC;
     return ac3 || format == "dvd" ? AV_CODEC_ID_AC3 : AV_CODEC_ID_MP2;
@@ -25,11 +23,11 @@ constexpr int pcm_frame = 1024;
 
 }  // namespace
 
-SoundTrack::SoundTrack(const Sound& sound, AVFormatContext& container)
+SoundTrack::SoundTrack(const Sound& sound, AVFormatContext& container, encoder::Codec codec)
     : file_(sound.file.string()), container_(container), source_(file_) {
     if (!packet_) check(AVERROR(ENOMEM));
     total_ = std::llround(sound.seconds * SoundSource::rate);
-    open_encoder(codec_for(container, sound.ac3));
+    open_encoder(codec_for(container, codec, sound.ac3));
     frame_size_ = encoder_->frame_size > 0 ? encoder_->frame_size : pcm_frame;
     const AVSampleFormat format = encoder_->sample_fmt;
     source_.convert_to(format);

@@ -12,8 +12,9 @@ namespace render2mpeg::av {
 /// A film's sound on its way from a file into a container's second stream.
 class SoundTrack {
   public:
-    /// Opens the file and adds the stream to `container`, whose header is not written yet.
-    SoundTrack(const Sound& sound, AVFormatContext& container);
+    /// Opens the file and adds the stream to `container`, whose header is not written yet and whose pictures are of
+    /// `codec`.
+    SoundTrack(const Sound& sound, AVFormatContext& container, encoder::Codec codec);
 
     /// Bits per second.
     std::int64_t bit_rate() const { return encoder_->bit_rate; }
