@@ -329,7 +329,8 @@ class Library final : public LibraryEncoder {
             LibraryPicture& picture = found->picture;
             picture.type = type_of(shown_->pict_type);
             picture.reconstruction = picture_of(*shown_, picture.number);
-            picture.macroblocks = macroblocks_of(*shown_);
+            // VP9's decoder tells a quantiser, and no macroblocks.
+            if (encoder::facts_of(settings_.codec).tells_blocks) picture.macroblocks = macroblocks_of(*shown_);
             found->shown = true;
         }
     }
