@@ -10,7 +10,7 @@ whether CPU seconds are those of exports, loading and frames, or of frames alone
 written. Coding counts with both.
 
 The result: `denoiser`; `windows`, each with its `first` and `last` frame, and `all`: `ours` by quantiser, `cycles` by quantiser and
-count of samples, `equal` by quantiser (judge.py), `light`; `effects`: shares of our time. Halves with seeds of their own make the truth
+count of samples, `equal` by quantiser (judge.py), `light`, `psnr_y_by`; `effects`: shares of our time. Halves with seeds of their own make the truth
 (Cycles without clamps), and what is denoised. Where the stand-in for a denoiser does harm, its input counts, and its time never. Steps are told on standard error."""
 import hashlib
 import json

@@ -335,6 +335,11 @@ TEST(Encode, SaysThatFramesArePanoramasAndOfTwoEyesAndSparesTheirPoles) {
     EXPECT_EQ(half.at("panorama"), (json{0.25, 0.0, 0.25, 0.0}));
     EXPECT_EQ(half.at("stereo"), "side-by-side");
 
+    const auto silent = run(program() + " encode -y " + inside(folder, "frames.y4m") + " -o " +
+                            inside(folder, "film.mpg") + " --projection equirectangular");
+    EXPECT_EQ(silent.status, 0) << silent.output;
+    EXPECT_NE(silent.output.find("such files cannot say what frames show"), std::string::npos) << silent.output;
+
     write_frames(inside(folder, "frames.y4m"), 62, 48, "25:1", "1:1", 1);
     for (const auto& [options, words] : {std::pair{" --stereo side-by-side", "take an even width"},
                                          {" --stereo left-right", "side-by-side"},

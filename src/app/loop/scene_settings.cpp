@@ -11,6 +11,7 @@
 #include "app/options/usage_error.h"
 #include "app/system/interrupt.h"
 #include "app/system/progress.h"
+#include "app/system/terminal.h"
 #include "core/text.h"
 #include "encoder/av/av.h"
 #include "encoder/codec.h"
@@ -270,6 +271,9 @@ void describe_view(scene::Animation& animation, const RenderOptions& options, en
 void describe_view(const EncodeOptions& options, encoder::Settings& coding) {
     if (options.projection) coding.sphere = bounds_of(window_named(*options.projection));
     coding.packing = packing_named(options.stereo.value_or("none"));
+    const bool tells_eyes = coding.packing == core::FramePacking::none || coding.codec == encoder::Codec::h264;
+    if (!options.quiet && (coding.sphere || !tells_eyes) && !av::tells_immersive(options.output))
+        print_line(options.output.string() + ": such files cannot say what frames show; .mp4 and .mkv do");
     if (coding.packing == core::FramePacking::none) return;
     const bool across = coding.packing == core::FramePacking::side_by_side;
     if ((across ? coding.width : coding.height) % 2 != 0)

@@ -27,7 +27,8 @@ void tell_shape(scene::Animation& animation, Size size);
 
 /// What a film and its container are to say of its panoramas and eyes; notes where they cannot.
 void describe_view(scene::Animation& animation, const RenderOptions& options, encoder::Settings& coding);
-/// The same of finished frames. Throws UsageError for pictures that cannot hold two eyes'.
+/// The same of finished frames, in a line where the file cannot. Throws UsageError for pictures that cannot hold two
+/// eyes'.
 void describe_view(const EncodeOptions& options, encoder::Settings& coding);
 
 /// --shutter, --f-stop, --focus, --fog, --glare and --transparent win over the scene. Throws UsageError for
