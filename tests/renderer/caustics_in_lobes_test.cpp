@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <string>
 
 #include "core/color.h"
 #include "renderer/caustics/caustics.h"
@@ -21,11 +22,11 @@ const glm::vec3 lamp_at(-1.5f, 2.0f, 0.3f);
 constexpr float lamp_intensity = 10, mirrored = 0.8f;
 
 /// A wet floor, a mirror of 4 x 3 that stands at x = 0, and a lamp before it.
-SceneBuilder wet_floor() {
+SceneBuilder wet_floor(float roughness = 0.3f) {
     SceneBuilder b;
     const int wet = b.add_material({0.05f, 0.05f, 0.05f});
     b.material(wet).ior = 1.5f;
-    b.material(wet).roughness = 0.3f;
+    b.material(wet).roughness = roughness;
     b.add_quad({-8, 0, 6}, {16, 0, 0}, {0, 0, -12}, wet);
     const int silver = b.add_material(glm::vec3(mirrored));
     b.material(silver).metallic = 1;
@@ -71,6 +72,59 @@ TEST(CausticsInALobe, OfAFlatMirrorAreTheMirroredLampsHoweverFewPhotonsThereAre)
         EXPECT_NEAR(sum / expected, 1.0, 0.04) << photons;
         EXPECT_LT(error / expected, photons > 10000 ? 0.05 : 0.2) << photons;
     }
+}
+
+/// A panel that shines on the mirror.
+const glm::vec3 panel_corner(-1.5f, 1.4f, -0.1f), panel_edges[2]{{0, 0.4f, 0}, {0, 0, 0.8f}};
+constexpr float panel_radiance = 2;
+
+/// Light of a point by the panel's image, on an even grid.
+double mirrored_panel(const GatherPoint& g) {
+    constexpr int steps = 40;
+    const float area = glm::length(panel_edges[0]) * glm::length(panel_edges[1]) / (steps * steps);
+    double sum = 0;
+    for (int i = 0; i < steps * steps; ++i) {
+        const glm::vec2 u((static_cast<float>(i % steps) + 0.5f) / steps,
+                          (static_cast<float>(i / steps) + 0.5f) / steps);
+        glm::vec3 image = panel_corner + u.x * panel_edges[0] + u.y * panel_edges[1];
+        image.x = -image.x;
+        const glm::vec3 way = image - g.point.position, to = glm::normalize(way);
+        const float cosines = std::max(glm::dot(g.point.shading_normal, to), 0.0f) * std::max(to.x, 0.0f);
+        const glm::vec3 sent = g.weight * evaluate(g.point.bsdf, g.point.shading_normal, g.point.outgoing, to);
+        sum += static_cast<double>(core::luminance(sent) * cosines / glm::dot(way, way) * area);
+    }
+    return sum * static_cast<double>(mirrored * panel_radiance);
+}
+
+TEST(CausticsInALobe, OfAPanelAreItsImageHoweverFewLightPointsItHas) {
+    SceneBuilder b = wet_floor(0.15f);
+    const int bright = b.add_material({0, 0, 0});
+    b.material(bright).emission = glm::vec3(panel_radiance);
+    b.add_quad(panel_corner, panel_edges[0], panel_edges[1], bright);
+    b.film().lights.clear();
+    Stage stage(b, 48, 48);
+    renderer::LightPoints points(stage.posed_scene(), stage.plan(), 2, 1);
+    points.place(const_cast<renderer::PosedScene&>(stage.posed_scene()), stage.world());
+    const Frame seen = stage.see(1);
+    renderer::UngatheredLight light(seen);
+    CausticCounts counts;
+    Caustics caustics(CausticSettings{.photons = 120000});
+    caustics.add(stage.posed_scene(), points.at(stage.posed_scene()), nullptr, seen, light, counts);
+    double sum = 0, expected = 0, error = 0;
+    for (std::size_t t = 0; t < seen.tiles.size(); ++t)
+        for (const GatherPoint& g : seen.tiles[t]) {
+            const double truth = mirrored_panel(g);
+            const glm::ivec2 at = seen.place_of(t, g.pixel);
+            const auto found =
+                static_cast<double>(core::luminance(renderer::value_or_zero(light.caustics().all, at.x, at.y)));
+            sum += found;
+            expected += truth;
+            error += std::abs(found - truth);
+        }
+    EXPECT_GT(expected, 0.0);
+    RecordProperty("error", std::to_string(error / expected));
+    EXPECT_NEAR(sum / expected, 1.0, 0.05);
+    EXPECT_LT(error / expected, 0.25);
 }
 
 }  // namespace

@@ -18,6 +18,12 @@ class DiscreteDistribution {
         const auto found = std::upper_bound(sums_.begin(), sums_.end(), number * total());
         return std::min(static_cast<std::size_t>(found - sums_.begin()), sums_.size() - 1);
     }
+    /// Where the number that falls to `i` lies among those that do, in [0, 1).
+    double within(std::size_t i, double number) const {
+        const double first = i > 0 ? sums_[i - 1] : 0.0;
+        constexpr double last = 1.0 - 0x1p-24;
+        return std::clamp(core::divide_or(number * total() - first, sums_[i] - first, 0.0), 0.0, last);
+    }
     double chance(std::size_t i) const {
         return core::divide_or(sums_[i] - (i > 0 ? sums_[i - 1] : 0.0), total(), 0.0);
     }

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <limits>
-#include <map>
 #include <numbers>
+#include <set>
+#include <utility>
 
 #include "core/box.h"
 #include "core/color.h"
@@ -23,7 +23,7 @@ constexpr float least_reflectance = 0.02f;
 /// Share of photons that all beams have alike. [Hesterberg1995] chosen: 0.1, as photons.
 constexpr double even_share = 0.1;
 
-/// Lamps with beams of their own; the light points of all others are one lamp. chosen: 16; not tuned.
+/// Lamps with beams of their own; all others are one lamp. chosen: 16; not tuned.
 constexpr std::size_t most_lamps = 16;
 
 /// How far light of a sky's part spreads before it meets a thing, over half of the thing's diagonal. chosen: 2 of 1
@@ -31,8 +31,13 @@ constexpr std::size_t most_lamps = 16;
 /// light, at 2 5 %.
 constexpr float sky_spread = 2.0f;
 
-/// Halton dimensions of the place in the beam, and of the lamp's point.
-constexpr int place_dimension = 0, point_dimension = 2;
+/// Halton dimensions of the place in the beam, and of that on the lamp; two each.
+constexpr int place_dimension = 0, lamp_dimension = 2;
+
+/// Semi-axis of a kernel in cells. fit: docs/measurements.md#caustics
+float smoothness(float photons) {
+    return std::clamp(2.8f * std::pow(1e-4f * photons, 0.25f), 2.0f, 8.0f);
+}
 
 /// Share of light that a material throws on, about; 0: it throws none.
 float throws(const scene::Material& m, scene::Body body) {
@@ -68,32 +73,6 @@ std::array<glm::vec3, 8> corners_of(const scene::Animation& film, const auto& po
     return corners;
 }
 
-/// All but the sky.
-std::vector<std::vector<LightPoint>> points_by_lamp(std::span<const LightPoint> lights) {
-    // Surfaces by object, punctual lights one by one.
-    std::map<std::uint64_t, std::vector<LightPoint>> by_lamp;
-    for (const LightPoint& light : lights) {
-        if (!(core::luminance(light.intensity) > 0.0f) || light.is_of_sky()) continue;
-        const std::uint64_t key = light.is_of_surface() ? light.object : (std::uint64_t{1} << 32) + light.id;
-        by_lamp[key].push_back(light);
-    }
-    std::vector<std::vector<LightPoint>> lamps;
-    for (auto& [key, points] : by_lamp) lamps.push_back(std::move(points));
-    if (lamps.size() <= most_lamps) return lamps;
-    // The weakest together.
-    const auto light_of = [](const std::vector<LightPoint>& lamp) {
-        double sum = 0;
-        for (const LightPoint& p : lamp) sum += static_cast<double>(core::luminance(p.intensity));
-        return sum;
-    };
-    std::stable_sort(lamps.begin(), lamps.end(),
-                     [&](const auto& a, const auto& b) { return light_of(a) > light_of(b); });
-    std::vector<LightPoint>& rest = lamps[most_lamps - 1];
-    for (std::size_t i = most_lamps; i < lamps.size(); ++i) rest.insert(rest.end(), lamps[i].begin(), lamps[i].end());
-    lamps.resize(most_lamps);
-    return lamps;
-}
-
 }  // namespace
 
 Casters::Casters(const PosedScene& posed_scene, std::span<const LightPoint> lights, float sky_of_rays) {
@@ -114,16 +93,7 @@ Casters::Casters(const PosedScene& posed_scene, std::span<const LightPoint> ligh
     sweeps_ = now.sweep && !now.sweep->knots.empty();
     reach_ = 2.0f * glm::length(box.size());
 
-    for (std::vector<LightPoint>& points : points_by_lamp(lights)) lamps_.emplace_back().points = std::move(points);
-    std::vector<LightPoint> sky;
-    std::copy_if(lights.begin(), lights.end(), std::back_inserter(sky),
-                 [](const LightPoint& p) { return p.is_of_sky(); });
-    std::erase_if(sky, [](const LightPoint& p) { return !(core::luminance(p.intensity) > 0.0f); });
-    lamps_.push_back({.points = beyond_rays(sky, sky_of_rays), .sky_of_panes = true});
-    lamps_.push_back({.points = std::move(sky), .sky = true});
-    std::erase_if(lamps_, [](const Lamp& lamp) { return lamp.points.empty(); });
-    for (Lamp& lamp : lamps_)
-        for (const LightPoint& p : lamp.points) lamp.choice.add(static_cast<double>(core::luminance(p.intensity)));
+    add_lamps(posed_scene, lights, sky_of_rays);
     double all = 0;
     for (std::uint32_t l = 0; l < lamps_.size(); ++l)
         for (std::uint32_t t = 0; t < things_.size(); ++t) {
@@ -134,6 +104,58 @@ Casters::Casters(const PosedScene& posed_scene, std::span<const LightPoint> ligh
         }
     for (Beam& beam : beams_)
         beam.share = (1.0 - even_share) * beam.light / all + even_share / static_cast<double>(beams_.size());
+}
+
+/// Surfaces by object and punctual lights one by one, but the weakest together; and the sky.
+void Casters::add_lamps(const PosedScene& posed_scene, std::span<const LightPoint> lights, float sky_of_rays) {
+    std::vector<LightPoint> sky;
+    std::set<std::uint32_t> shining;
+    for (const LightPoint& light : lights) {
+        if (!(core::luminance(light.intensity) > 0.0f)) continue;
+        if (light.is_of_sky())
+            sky.push_back(light);
+        else if (light.is_of_surface())
+            shining.insert(light.object);
+        else
+            lamps_.emplace_back().points.push_back(light);
+    }
+    for (const std::uint32_t object : shining) lamps_.emplace_back().surfaces.emplace_back(posed_scene, object);
+    const auto light_of = [](const Lamp& lamp) {
+        return lamp.points.empty() ? lamp.surfaces.front().power()
+                                   : static_cast<double>(core::luminance(lamp.points.front().intensity));
+    };
+    if (lamps_.size() > most_lamps) {
+        std::stable_sort(lamps_.begin(), lamps_.end(),
+                         [&](const Lamp& a, const Lamp& b) { return light_of(a) > light_of(b); });
+        Lamp& rest = lamps_[most_lamps - 1];
+        for (std::size_t i = most_lamps; i < lamps_.size(); ++i) {
+            rest.points.insert(rest.points.end(), lamps_[i].points.begin(), lamps_[i].points.end());
+            rest.surfaces.insert(rest.surfaces.end(), lamps_[i].surfaces.begin(), lamps_[i].surfaces.end());
+        }
+        lamps_.resize(most_lamps);
+    }
+    lamps_.push_back({.points = beyond_rays(sky, sky_of_rays), .sky_of_panes = true});
+    lamps_.push_back({.points = std::move(sky), .sky = true});
+    for (Lamp& lamp : lamps_) {
+        for (const LightPoint& p : lamp.points) lamp.choice.add(static_cast<double>(core::luminance(p.intensity)));
+        for (const ShiningSurface& s : lamp.surfaces) lamp.choice.add(s.power());
+    }
+    std::erase_if(lamps_, [](const Lamp& lamp) { return !(lamp.choice.total() > 0.0); });
+}
+
+Casters::Origin Casters::origin_of(const Lamp& lamp, glm::vec2 u) {
+    const auto number = static_cast<double>(u.x);
+    const std::size_t i = lamp.choice.pick(number);
+    Origin origin;
+    origin.share = static_cast<float>(lamp.choice.chance(i));
+    if (i < lamp.points.size()) {
+        origin.light = lamp.points[i];
+    } else {
+        origin.surface = &lamp.surfaces[i - lamp.points.size()];
+        origin.light = origin.surface->at({static_cast<float>(lamp.choice.within(i, number)), u.y});
+    }
+    origin.light.intensity *= core::divide_or(1.0f, origin.share, 0.0f);
+    return origin;
 }
 
 /// Between two knots corners move straight, as all of the thing does.
@@ -148,18 +170,19 @@ Casters::Corners Casters::Thing::at(float time) const {
 
 /// By a few of its points.
 double Casters::caustic_flux(const Lamp& lamp, const Thing& thing) {
-    constexpr int probes = 4;
+    constexpr std::uint64_t probes = 4;
     double light = 0;
-    for (int k = 0; k < probes; ++k) {
-        const LightPoint& p = lamp.points[lamp.choice.pick((k + 0.5) / probes)];
+    for (std::uint64_t k = 0; k < probes; ++k) {
+        const LightPoint p = origin_of(lamp, {(static_cast<float>(k) + 0.5f) / probes, core::halton(0, k + 1)}).light;
         const SeenBox seen = seen_from(p, thing.corners);
         const bool far = p.is_far();
         const glm::vec3 way = seen.middle - p.position;
         const float distance2 = far ? 1.0f : std::max(glm::dot(way, way), 1e-30f);
         const float beam = p.emitted(seen.towards, distance2) * seen.area() / distance2;
-        light += static_cast<double>(seen.all_around ? 4.0f * std::numbers::pi_v<float> : beam);
+        light += static_cast<double>(core::luminance(p.intensity) *
+                                     (seen.all_around ? 4.0f * std::numbers::pi_v<float> : beam));
     }
-    return light * lamp.choice.total() / probes * static_cast<double>(thing.weight);
+    return light / static_cast<double>(probes) * static_cast<double>(thing.weight);
 }
 
 const Casters::Beam& Casters::beam_of(std::uint64_t index, std::uint64_t count, std::uint64_t& first,
@@ -208,43 +231,60 @@ float Casters::leave(const LightPoint& light, const SeenBox& seen, glm::vec2 u, 
            light.emitted(photon.direction, distance * distance);
 }
 
+/// Tells how neighbours of a photon differ, as one of so many of its beam: the kernel has the covariance of all of
+/// them, over their number.
+void Casters::spread(const Origin& origin, const SeenBox& seen, float photons, AimedPhoton& photon) const {
+    const LightPoint& light = origin.light;
+    const float kernel = smoothness(photons) / std::sqrt(photons);
+    for (std::size_t k = 0; k < 2; ++k) {
+        photon.place[k] *= kernel;
+        photon.turn[k] *= kernel;
+    }
+    glm::vec3 right, up;
+    core::make_frame(photon.direction, right, up);
+    if (origin.surface != nullptr) {
+        // Edges of an even square with the variances of the lamp's places, which send light to one place of the thing.
+        const glm::mat3& c = origin.surface->covariance();
+        const float scale = std::sqrt(12.0f) * kernel, a = std::sqrt(std::max(glm::dot(right, c * right), 0.0f));
+        const float b = core::divide_or(glm::dot(right, c * up), a, 0.0f);
+        photon.place[2] = scale * (a * right + b * up);
+        photon.place[3] = scale * std::sqrt(std::max(glm::dot(up, c * up) - b * b, 0.0f)) * up;
+        if (seen.all_around) return;
+        const float distance = glm::dot(seen.middle - light.position, seen.towards) /
+                               std::max(glm::dot(photon.direction, seen.towards), 1e-3f);
+        for (std::size_t k = 2; k < 4; ++k) photon.turn[k] = -1.0f / distance * photon.place[k];
+        return;
+    }
+    // A disc that shines evenly has a quarter of its radius squared as variance, the kernel a sixth. Flames lie side by
+    // side; far ones turn.
+    constexpr float of_disc = 1.5f;
+    auto& disc = light.is_far() ? photon.turn : photon.place;
+    disc[2] = std::sqrt(of_disc * light.disc2) * right;
+    disc[3] = std::sqrt(of_disc * light.disc2) * up;
+    if (!light.is_far()) return;
+    // A sun's other light goes to the same place of the thing. That of skies, whose photons stand less evenly, is
+    // spread wider: it would be mottled. It spreads over a length of the thing's size, wherever the rays begin.
+    for (std::size_t k = 2; k < 4; ++k)
+        photon.place[k] = -(reach_ - (light.is_of_sky() ? sky_spread * glm::length(seen.half) : 0.0f)) * photon.turn[k];
+}
+
 AimedPhoton Casters::aim(std::uint64_t index, std::uint64_t count) const {
     // Each beam has a run of photons.
     std::uint64_t first = 0, end = 0;
     const Beam& beam = beam_of(index, count, first, end);
-    const Lamp& lamp = lamps_[beam.lamp];
     AimedPhoton photon;
     photon.number = index - first + 1;
-    photon.of = end - first;
+    const auto number = [&](int dimension) { return core::halton(dimension, photon.number); };
+    const auto photons = static_cast<float>(end - first);
     const Thing& thing = things_[beam.thing];
     photon.object = thing.object;
     if (sweeps_) photon.time = time_of(photon.number);
-    const glm::vec2 u(core::halton(place_dimension, photon.number), core::halton(place_dimension + 1, photon.number));
-    const std::size_t l = lamp.choice.pick(static_cast<double>(core::halton(point_dimension, photon.number)));
-    const LightPoint& light = lamp.points[l];
-    const SeenBox seen = seen_from(light, thing.at(photon.time));
-    const float share = leave(light, seen, u, photon);
-
-    // Lamp points of surfaces lie side by side; far ones turn.
-    const bool far = light.is_far();
-    photon.from_far = far;
-    auto& neighbours = far ? photon.turn : photon.place;
-    core::make_frame(photon.direction, neighbours[2], neighbours[3]);
-    // The cell is parted among the beam's photons.
-    const float cell = 1.0f / std::sqrt(static_cast<float>(photon.of));
-    for (std::size_t k = 0; k < 2; ++k) {
-        neighbours[k + 2] *= std::sqrt(light.disc2);
-        // A sun's other light goes to the same place of the thing. That of skies and panels, whose photons stand less
-        // evenly, is spread wider: it would be mottled. A sky's spreads over a length of the thing's size, wherever
-        // the rays begin.
-        if (far)
-            photon.place[k + 2] =
-                -(reach_ - (light.is_of_sky() ? sky_spread * glm::length(seen.half) : 0.0f)) * photon.turn[k + 2];
-        photon.place[k] *= cell;
-        photon.turn[k] *= cell;
-    }
-    const double density = lamp.choice.chance(l) * static_cast<double>(photon.of);
-    photon.flux = light.intensity * static_cast<float>(core::divide_or(static_cast<double>(share), density, 0.0));
+    const Origin origin = origin_of(lamps_[beam.lamp], {number(lamp_dimension), number(lamp_dimension + 1)});
+    const SeenBox seen = seen_from(origin.light, thing.at(photon.time));
+    const float share = leave(origin.light, seen, {number(place_dimension), number(place_dimension + 1)}, photon);
+    photon.from_far = origin.light.is_far();
+    spread(origin, seen, std::max(origin.surface != nullptr ? origin.share * photons : photons, 1.0f), photon);
+    photon.flux = origin.light.intensity * (share / photons);
     return photon;
 }
 

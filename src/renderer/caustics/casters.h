@@ -9,6 +9,7 @@
 #include "renderer/base/discrete_distribution.h"
 #include "renderer/base/light_point.h"
 #include "renderer/lights/photon_source.h"
+#include "renderer/lights/shining_surface.h"
 #include "renderer/surface/light_ray.h"
 
 namespace render2mpeg::renderer {
@@ -16,12 +17,11 @@ namespace render2mpeg::renderer {
 /// A photon as it leaves its lamp towards a caster.
 struct AimedPhoton : LightRay {
     glm::vec3 flux{0};  ///< that it stands for; 0: none
-    /// How neighbours differ in origin and direction: two of the same lamp point, across the photon's share of the
-    /// beam; and two at the edge of the disc that the lamp point stands for.
+    /// How neighbours differ in origin and direction, as the kernel's semi-axes: two of the same place of the lamp,
+    /// and two of other places of it.
     std::array<glm::vec3, 4> place{}, turn{};
     std::uint32_t object = 0;  ///< that it is aimed at: light on another caster belongs to other photons
     std::uint64_t number = 0;  ///< among those of its beam, from 1: of the numbers that choose its way
-    std::uint64_t of = 0;      ///< photons of its beam
 };
 
 /// Things that mirror or bend light, and the beams in which lamps light them. A beam is the rectangle about a thing, as
@@ -49,20 +49,30 @@ class Casters {
         std::vector<Corners> knots{};  ///< of the sweep, where it moves
         Corners at(float time) const;
     };
-    /// Light points that belong together: those of one shining object, the sky, a lamp.
+    /// Lights that belong together: one shining object, the sky, a lamp, or all that are weaker than most.
     struct Lamp {
-        std::vector<LightPoint> points;
+        std::vector<LightPoint> points{};
+        std::vector<ShiningSurface> surfaces{};
         bool sky = false, sky_of_panes = false;  ///< what panes have of the sky is another lamp
-        DiscreteDistribution choice{};           ///< of points, by luminance
+        DiscreteDistribution choice{};           ///< of points, then of surfaces, by light
+    };
+    /// Where a photon begins.
+    struct Origin {
+        LightPoint light;                         ///< its intensity is the lamp's, as if all of it lay there
+        const ShiningSurface* surface = nullptr;  ///< null: a point, or a part of the sky
+        float share = 0;                          ///< of the lamp's photons that such a surface has
     };
     struct Beam {
         std::uint32_t lamp = 0, thing = 0;
         double light = 0;  ///< luminance flux that is sent on, about
         double share = 0;  ///< of the photons
     };
+    void add_lamps(const PosedScene& posed_scene, std::span<const LightPoint> lights, float sky_of_rays);
+    static Origin origin_of(const Lamp& lamp, glm::vec2 u);
     static double caustic_flux(const Lamp& lamp, const Thing& thing);
     const Beam& beam_of(std::uint64_t index, std::uint64_t count, std::uint64_t& first, std::uint64_t& end) const;
     float leave(const LightPoint& light, const SeenBox& seen, glm::vec2 u, AimedPhoton& photon) const;
+    void spread(const Origin& origin, const SeenBox& seen, float photons, AimedPhoton& photon) const;
 
     std::vector<Thing> things_;
     std::vector<Lamp> lamps_;

@@ -23,12 +23,7 @@ constexpr int most_surfaces = 12;
 constexpr float least_share = 1e-3f;
 
 /// First Halton dimension of choices on the way; two for each surface.
-constexpr int first_choice = 3;
-
-/// Semi-axis of a kernel in cells. fit: docs/measurements.md#caustics
-float smoothness(float photons) {
-    return std::clamp(2.8f * std::pow(1e-4f * photons, 0.25f), 2.0f, 8.0f);
-}
+constexpr int first_choice = 4;
 
 /// A photon and its four neighbours on their path.
 struct PhotonPath : AimedPhoton {
@@ -38,7 +33,7 @@ struct PhotonPath : AimedPhoton {
 
 /// Chooses the step so that the normals of neighbours are asked for within the triangle, then scales back.
 void turn_at(const PosedScene& scene, const SurfacePoint& point, glm::vec3 facet, bool passes, PhotonPath& ray) {
-    // chosen: neighbours at 1/1000 of the cell: normals bend evenly over that, and digits are left.
+    // chosen: neighbours at 1/1000 of the kernel: normals bend evenly over that, and digits are left.
     constexpr float step = 1e-3f;
     const float side = point.back_side ? -step : step;
     for (std::size_t k = 0; k < 4; k += 2) {
@@ -73,12 +68,8 @@ Landing land(const PosedScene& scene, const PhotonPath& ray, const SurfacePoint&
     landing.time = ray.time;
     landing.direction = ray.direction;
     landing.flux = point.alpha * ray.flux;
-    for (std::size_t k = 0; k < 2; ++k) {
-        landing.cell[k] = ray.place[k];
-        landing.lamp[k] = ray.place[k + 2];
-        landing.cell_turn[k] = ray.turn[k];
-        landing.lamp_turn[k] = ray.turn[k + 2];
-    }
+    landing.edges = ray.place;
+    landing.turns = ray.turn;
     landing.length = length;
     landing.spread = ray.blur;
     landing.object = point.address.object;
@@ -174,12 +165,7 @@ void follow_photons(const PosedScene& posed_scene, const Casters& casters, std::
         ++counts.photons;
         const std::size_t before = landings.size();
         follow(posed_scene, aimed, landings, counts);
-        const float share = smoothness(static_cast<float>(aimed.of));
-        for (std::size_t k = before; k < landings.size(); ++k) {
-            landings[k].photon = i;
-            for (glm::vec3& edge : landings[k].cell) edge *= share;
-            for (glm::vec3& turn : landings[k].cell_turn) turn *= share;
-        }
+        for (std::size_t k = before; k < landings.size(); ++k) landings[k].photon = i;
     }
 }
 

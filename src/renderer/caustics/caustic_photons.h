@@ -1,5 +1,6 @@
 #pragma once
 // Follows aimed photons through mirrors and glass to where light lands.
+#include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <vector>
@@ -15,16 +16,14 @@ struct Landing {
     glm::vec3 position{0}, normal{0};  ///< normal: geometric, unit, where the light comes from
     glm::vec3 direction{0};            ///< unit, of the light
     glm::vec3 flux{0};
-    /// How the place differs for the photon's neighbours on the caster, and on its lamp: differences of places for the
-    /// kernel's semi-axes (some cells of photons), and for a disc of the lamp's size.
-    glm::vec3 cell[2]{}, lamp[2]{};
-    glm::vec3 cell_turn[2]{}, lamp_turn[2]{};  ///< how the direction differs there
-    float length = 0;                          ///< of the last way
-    float spread = 0;                          ///< radius by which rough glass blurs it
-    float time = scene::middle_time;           ///< of the shutter
-    std::uint64_t photon = 0;                  ///< its index
-    std::uint32_t object = 0;                  ///< where it lands
-    std::uint32_t caster = 0;                  ///< object that threw it there
+    /// How place and direction differ for the photon's neighbours on caster and lamp, a kernel's semi-axis away.
+    std::array<glm::vec3, 4> edges{}, turns{};
+    float length = 0;                 ///< of the last way
+    float spread = 0;                 ///< radius by which rough glass blurs it
+    float time = scene::middle_time;  ///< of the shutter
+    std::uint64_t photon = 0;         ///< its index
+    std::uint32_t object = 0;         ///< where it lands
+    std::uint32_t caster = 0;         ///< object that threw it there
 };
 
 struct LandingCounts {

@@ -101,20 +101,14 @@ bool is_open(const PosedScene& scene, const Landing& landing, const GatherPoint&
 }  // namespace
 
 Footprint footprint_of(const Landing& landing, float pixel, float limit) {
-    // A disc that shines evenly has a quarter of its radius squared as variance, the kernel a sixth.
-    constexpr float of_disc = 1.5f;
     Footprint f;
     core::make_frame(landing.direction, f.across[0], f.across[1]);
     glm::mat2 k(pixel * pixel + landing.spread * landing.spread);
     glm::vec3 turns[2]{};  // sums of changes of direction by places, as `k` has of places by places
-    const auto add = [&](glm::vec3 edge, glm::vec3 turn, float scale) {
-        const glm::vec2 v(glm::dot(edge, f.across[0]), glm::dot(edge, f.across[1]));
-        k += scale * glm::outerProduct(v, v);
-        for (int i = 0; i < 2; ++i) turns[i] += scale * v[i] * turn;
-    };
-    for (std::size_t i = 0; i < 2; ++i) {
-        add(landing.cell[i], landing.cell_turn[i], 1.0f);
-        add(landing.lamp[i], landing.lamp_turn[i], of_disc);
+    for (std::size_t e = 0; e < landing.edges.size(); ++e) {
+        const glm::vec2 v(glm::dot(landing.edges[e], f.across[0]), glm::dot(landing.edges[e], f.across[1]));
+        k += glm::outerProduct(v, v);
+        for (int i = 0; i < 2; ++i) turns[i] += v[i] * landing.turns[e];
     }
     const float middle = 0.5f * (k[0][0] + k[1][1]), half = 0.5f * (k[0][0] - k[1][1]);
     const float offset = std::sqrt(half * half + k[0][1] * k[0][1]);

@@ -2,8 +2,10 @@
 #include "core/box.h"
 #include "renderer/base/stream.h"
 #include "renderer/lights/light_points.h"
+#include "renderer/lights/shining_surface.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/color.h"
@@ -228,6 +230,51 @@ class MeshLight final : public Light {
 };
 
 }  // namespace
+
+ShiningSurface::ShiningSurface(const PosedScene& posed_scene, std::uint32_t object)
+    : posed_scene_(&posed_scene), object_(object) {
+    const scene::Animation& film = posed_scene.animation();
+    const scene::Object& what = film.objects[object];
+    const bool both = film.materials[static_cast<std::size_t>(what.material)].double_sided;
+    const auto triangles = film.meshes[static_cast<std::size_t>(what.mesh)].triangles.size();
+    glm::dvec3 sum(0);
+    glm::dmat3 squares(0);
+    for (std::uint32_t p = 0; p < triangles; ++p) {
+        const scene::Triangle t = scene::triangle_of(posed_scene.posed(), object, p);
+        const float luminance = core::luminance(posed_scene.mean_emission(object, p));
+        const double light = 0.5 * static_cast<double>(glm::length(glm::cross(t.b - t.a, t.c - t.a)) * luminance);
+        if (!(light > 0.0) || !std::isfinite(light)) continue;
+        for (const bool front : {true, false}) {
+            if (!front && !both) continue;
+            of_.push_back({p, front, luminance});
+            sides_.add(light);
+            // Second moments of a triangle [polyhedral mass properties]: (s s' + sum of v v') / 12 of its corners v.
+            const std::array<glm::dvec3, 3> corners{t.a, t.b, t.c};
+            const glm::dvec3 s = corners[0] + corners[1] + corners[2];
+            sum += light / 3.0 * s;
+            squares += light / 12.0 * glm::outerProduct(s, s);
+            for (const glm::dvec3& v : corners) squares += light / 12.0 * glm::outerProduct(v, v);
+        }
+    }
+    if (!(power() > 0.0)) return;
+    const glm::dvec3 mean = sum / power();
+    covariance_ = glm::mat3(squares / power() - glm::outerProduct(mean, mean));
+}
+
+LightPoint ShiningSurface::at(glm::vec2 u) const {
+    const std::size_t k = sides_.pick(static_cast<double>(u.x));
+    const Side& side = of_[k];
+    const glm::vec2 place =
+        core::sample_triangle({static_cast<float>(sides_.within(k, static_cast<double>(u.x))), u.y});
+    const glm::vec3 front = posed_scene_->front_normal(object_, side.primitive);
+    LightPoint p;
+    p.normal = side.front ? front : -front;
+    const SurfacePoint surface = posed_scene_->surface_at({object_, side.primitive, place.x, place.y}, p.normal);
+    p.position = offset_origin(surface, p.normal);
+    p.intensity = surface.unlit ? glm::vec3(0) : surface.emission * (static_cast<float>(power()) / side.luminance);
+    p.object = object_;
+    return p;
+}
 
 Lights surfaces_of(const PosedScene& posed_scene) {
     Lights surfaces;
