@@ -127,5 +127,23 @@ TEST(CausticsInALobe, OfAPanelAreItsImageHoweverFewLightPointsItHas) {
     EXPECT_LT(error / expected, 0.25);
 }
 
+TEST(CausticsInALobe, AreBlurredByWhatAKernelDoesNotKnowOfDirections) {
+    renderer::Landing landing;
+    landing.direction = landing.normal = {0, -1, 0};
+    landing.edges = {glm::vec3(0.1f, 0, 0), glm::vec3(0, 0, 0.1f), glm::vec3(0), glm::vec3(0)};
+    landing.turns = {glm::vec3(0.02f, 0, 0), glm::vec3(0, 0, 0.02f), glm::vec3(0), glm::vec3(0)};
+    const float turn2 = 0.02f * 0.02f / 6, one = 2 * turn2;
+    EXPECT_NEAR(footprint_of(landing, 0, 1).blur, one * one / 2, 1e-3f * one) << "one direction for each place";
+
+    landing.edges[2] = landing.edges[0];
+    landing.turns[2] = -landing.turns[0];
+    EXPECT_NEAR(footprint_of(landing, 0, 1).blur, 2 * turn2, 1e-2f * turn2) << "two directions along x";
+
+    for (glm::vec3& turn : landing.turns) turn *= 200.0f;
+    const renderer::Footprint bent = footprint_of(landing, 0, 1);
+    EXPECT_NEAR(bent.blur, 3 * 200 * 200 * turn2, 1e-2f) << "no direction is known";
+    EXPECT_EQ(bent.turn[0], glm::vec3(0));
+}
+
 }  // namespace
 }  // namespace render2mpeg::test

@@ -150,11 +150,12 @@ std::vector<PixelCaustic> pixel_caustics(const Frame& seen, const SplatTree& tre
         if (!(light[i].sum > 0.0f)) continue;
         PixelCaustic& pixel = pixels[pixel_of(seen, tree.tile(i), tree[i])];
         const float luminance = core::luminance(scattered(tree[i], light[i]));
-        const float error = evenness * luminance * std::sqrt(light[i].squares) / light[i].sum;
+        const float relative = light[i].relative_variance();
+        const float error = evenness * luminance * std::sqrt(relative);
         pixel.luminance += luminance;
         pixel.irradiance += light[i].sum;
         pixel.variance += error * error;
-        pixel.squares += light[i].squares;
+        pixel.squares += relative * light[i].sum * light[i].sum;
     }
     return pixels;
 }

@@ -74,6 +74,16 @@ glm::vec3 direction_at(const Landing& landing, const Footprint& f, glm::vec3 pla
     return core::normalize_or(turned, landing.direction);
 }
 
+/// A surface that scatters the mean direction as it would all that a footprint brings.
+Bsdf widened(Bsdf bsdf, float blur) {
+    // Half vectors turn by half, and a lobe's squared width is twice their variance along an axis.
+    const float more = 0.25f * blur;
+    const auto wider = [&](float alpha) { return std::min(std::sqrt(alpha * alpha + more), 1.0f); };
+    bsdf.alpha = wider(bsdf.alpha);
+    bsdf.alpha_along = wider(bsdf.alpha_along);
+    return bsdf;
+}
+
 /// Whether a box may hold points that the landing lights: within `radius`, and within the rectangle about the ellipse.
 bool touches(glm::vec3 low, glm::vec3 high, const SplatQuery& query, float radius) {
     const glm::vec3 away = glm::max(glm::max(low - query.position, query.position - high), glm::vec3{0.0f});
@@ -118,6 +128,17 @@ Footprint footprint_of(const Landing& landing, float pixel, float limit) {
     for (int i = 0; i < 2; ++i)
         f.turn[i] = 1.0f / std::max(determinant, 1e-6f * largest * largest) *
                     (k[1 - i][1 - i] * turns[i] - k[0][1] * turns[1 - i]);
+    // Variances of the kernel are a sixth of its squared semi-axes. What turns by an angle errs by half of its square
+    // from a linear map; where that is more than what there is, the map says nothing.
+    float whole = 0, mapped = 0;
+    for (const glm::vec3& turn : landing.turns) whole += glm::dot(turn, turn) / 6.0f;
+    if (!std::isfinite(whole)) return f;
+    for (int i = 0; i < 2; ++i) mapped += glm::dot(turns[i], f.turn[i]) / 6.0f;
+    f.blur = std::max(whole - mapped, 0.0f) + 0.5f * whole * whole;
+    if (!(f.blur < whole)) {
+        f.blur = whole;
+        f.turn[0] = f.turn[1] = glm::vec3(0);
+    }
     if (largest > limit * limit) {
         // Too wide along one axis: shrink the whole, so that its light stays near.
         const float scale = limit * limit / largest;
@@ -256,10 +277,13 @@ class SplatTree::Part {
             if (weights.state[i] == 0) continue;
             ++counts_.pairs;
             const SurfacePoint& p = tree_.points_[leaf.first + i].point->point;
-            if (p.bsdf.has_glossy())
-                light[leaf.first + i].glossy +=
-                    landing.flux * weights.weight[i] *
-                    evaluate(p.bsdf, p.shading_normal, p.outgoing, -direction_at(landing, footprint, p.position));
+            if (!p.bsdf.has_glossy()) continue;
+            const glm::vec3 sent = landing.flux * weights.weight[i] *
+                                   evaluate(widened(p.bsdf, footprint.blur), p.shading_normal, p.outgoing,
+                                            -direction_at(landing, footprint, p.position));
+            const float luminance = core::luminance(sent);
+            light[leaf.first + i].glossy += sent;
+            light[leaf.first + i].glossy_squares += luminance * luminance;
         }
         renderer::add(weights, landing.flux, sums_[leaf.leaf - first_leaf_]);
     }

@@ -1,11 +1,14 @@
 #pragma once
 // Spreads landed light over gather points.
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <span>
 #include <vector>
 
+#include "core/color.h"
+#include "core/numeric.h"
 #include "renderer/caustics/caustic_photons.h"
 #include "renderer/caustics/splat_lanes.h"
 #include "renderer/surface/frame.h"
@@ -18,6 +21,7 @@ namespace render2mpeg::renderer {
 struct Footprint {
     glm::vec3 across[2]{};  ///< unit vectors across the way
     glm::vec3 turn[2]{};    ///< change of the light's direction by unit of way along these
+    float blur = 0;         ///< variance of the direction about that, both axes together; radians squared
     glm::mat2 inverse{1};   ///< of the squared semi-axes' matrix
     float peak = 0;         ///< 2 / (pi r1 r2)
     float widest = 0;       ///< r1; 0: nothing lands
@@ -31,6 +35,15 @@ struct CausticLight {
     glm::vec3 irradiance{0};     ///< over pi: times the diffuse reflectance it is what is scattered
     glm::vec3 glossy{0};         ///< radiance, of points with a lobe: all that they scatter
     float sum = 0, squares = 0;  ///< of the photons' luminances
+    float glossy_squares = 0;    ///< of their luminances in `glossy`
+
+    /// Square of the standard error of as many random photons, over the light.
+    float relative_variance() const {
+        const float light = core::luminance(glossy);
+        const float error =
+            light > 0.0f ? std::sqrt(glossy_squares) / light : core::divide_or(std::sqrt(squares), sum, 0.0f);
+        return error * error;
+    }
 };
 
 /// Costs of splatting.
