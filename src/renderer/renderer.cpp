@@ -121,8 +121,8 @@ struct Renderer::Impl {
     Frame exposed(Frame frame, const ExposureSamples& samples);
     void add_effects(const scene::Snapshot& snapshot, const core::ToleranceMap* tolerance, PlacedFrame& placed);
     void light_volumes(const AirInstant& instant);
-    FrameLight gather_film(const scene::Snapshot& snapshot, const LightingContext& context, CutLimits& limits,
-                           ShadeCounts& counts);
+    FrameLight gather_film(const scene::Snapshot& snapshot, const LightingContext& context, bool learns,
+                           CutLimits& limits, ShadeCounts& counts);
     FrameLight gather_all(const scene::Snapshot& snapshot, const LightingContext& context, const CutLimits& limits,
                           ShadeCounts& counts);
     core::Radiance gather_sparse(const scene::Snapshot& snapshot, const LightingContext& context, ShadeCounts& counts);
@@ -218,18 +218,16 @@ FrameLight Renderer::Impl::gather_all(const scene::Snapshot& snapshot, const Lig
     return light;
 }
 
-/// Light of a film's frame, for which `limits` get the error scale.
-FrameLight Renderer::Impl::gather_film(const scene::Snapshot& snapshot, const LightingContext& context,
+/// Light of a film's frame. `learns`: how far cuts err, for `limits`, first.
+FrameLight Renderer::Impl::gather_film(const scene::Snapshot& snapshot, const LightingContext& context, bool learns,
                                        CutLimits& limits, ShadeCounts& counts) {
     const bool is_reference = context.tolerance.is_reference();
-    // Learn how far cuts err,
-    if (settings.calibrate && !is_reference) {
+    if (learns && settings.calibrate && !is_reference) {
         const Stopwatch timer(statistics.calibration_seconds);
         statistics.calibrated_pixels += memory.calibration.before(snapshot, lights.lit_frame(), context, limits);
         limits.error_scale = memory.calibration.value();
         add_error_scale(limits.error_scale, statistics);
     }
-    // ask the cache, which gathers its misses, or gather all.
     if (!caches || is_reference) return gather_all(snapshot, context, limits, counts);
     FrameLight light = memory.records.light(context, snapshot, limits, lights.by_rays() ? &final_gather : nullptr,
                                             counts, statistics.cache);
@@ -307,8 +305,7 @@ void Renderer::resize(const scene::PictureFormat& format) {
 
 bool Renderer::is_sound(KnownLight light) {
     if (light.size() % sizeof(StoredRecord) != 0) return false;
-    const std::vector<StoredRecord> records = stored_records(light);
-    return std::all_of(records.begin(), records.end(), renderer::is_sound);
+    return std::ranges::all_of(stored_records(light), renderer::is_sound);
 }
 
 std::vector<std::byte> Renderer::found_light() const {
@@ -349,8 +346,7 @@ void Renderer::restore(core::ArchiveReader& archive) {
     // Light within volumes follows from the instant, and finds cells that the state replaces.
     if (impl_->posed_scene.air() != nullptr) impl_->light_volumes(impl_->air_instant(impl_->lights.points()));
     impl_->keep(archive);
-    if (!impl_->memory.records.is_sound(impl_->posed_scene.posed()))
-        throw core::Error("records of light are damaged");
+    if (!impl_->memory.records.is_sound(impl_->posed_scene.posed())) throw core::Error("records of light are damaged");
 }
 
 Lit Renderer::light(const scene::Snapshot& snapshot, Frame frame, const LightOrder& order) {
@@ -385,9 +381,12 @@ Lit Renderer::gather(const scene::Snapshot& snapshot, PlacedFrame placed, const 
     CutLimits limits = i.cut_limits();
     ShadeCounts counts;
     FrameLight light;
-    switch (order.mode) {
+    const bool keeps = i.caches && i.lights.by_rays();
+    const LightingMode mode = order.mode == LightingMode::ahead && !keeps ? LightingMode::sparse : order.mode;
+    switch (mode) {
         case LightingMode::film:
-            light = i.gather_film(snapshot, context, limits, counts);
+        case LightingMode::ahead:
+            light = i.gather_film(snapshot, context, mode == LightingMode::film, limits, counts);
             break;
         case LightingMode::rough:
             light = i.gather_all(snapshot, context, limits, counts);
@@ -402,14 +401,14 @@ Lit Renderer::gather(const scene::Snapshot& snapshot, PlacedFrame placed, const 
             lit.radiance = i.trace(lit.ungathered, order.truth);
             break;
     }
-    const bool has_points = order.mode != LightingMode::sparse && order.mode != LightingMode::truth;
+    const bool has_points = mode != LightingMode::sparse && mode != LightingMode::truth;
     if (has_points) lit.radiance = shade(context, light, layers, counts);
-    if (order.mode == LightingMode::film) {
+    if (mode == LightingMode::film) {
         if (layers && i.caches)
             lit.radiance.record_density = i.memory.records.density(snapshot.camera, i.settings.format);
         i.learn(snapshot, context, limits.error_scale, light, lit.radiance, counts.shadow_rays);
     }
-    if (order.mode == LightingMode::film || order.mode == LightingMode::draft) i.count(counts, lit.frame.visible);
+    if (has_points && mode != LightingMode::rough) i.count(counts, lit.frame.visible);
     if (lit.frame.exposure && has_points) {
         lit.middle = lit.radiance;
         ShadeCounts blurred;

@@ -30,7 +30,8 @@ enum class LightingMode {
     rough,   ///< apart from the film: teaches nothing, counts as time and as an update of light alone
     sparse,  ///< likewise, in one pixel of 4x4, and interpolated between them (rough_light.h)
     draft,   ///< a lattice of points within the tolerance, and light of the frame before (draft_light.h)
-    truth    ///< by paths alone (true_frame.h); of a blurred frame, the middle
+    truth,   ///< by paths alone (true_frame.h); of a blurred frame, the middle
+    ahead,   ///< roughly, a frame that is lit next: records of its rays stay; `sparse` where there are none
 };
 
 /// How the light of a frame is found.
@@ -41,7 +42,9 @@ struct LightOrder {
     const core::MotionField* to_before = nullptr;  ///< drafts: to the frame before; null: none is carried along
     TruthSettings truth{};
 
-    bool is_rough() const { return mode == LightingMode::rough || mode == LightingMode::sparse; }
+    bool is_rough() const {
+        return mode == LightingMode::ahead || mode == LightingMode::rough || mode == LightingMode::sparse;
+    }
 };
 
 /// A frame with the light that needs no gathering.

@@ -77,6 +77,16 @@ TEST(Coupled, PredictedPicturesHaveAShareOfTheirOwn) {
     for (const std::size_t frame : {0u, 1u, 4u}) EXPECT_EQ(share(told, frame), 0.5) << frame;
 }
 
+TEST(Coupled, AFirstPictureLosesAboutWhatIsAskedFor) {
+    const Folder folder;
+    for (const char* name : {"cornell", "still_room"}) {
+        const Made made = make(folder, film(name), " --frames 0:0 --quantiser 8 --loss 0.2");
+        const double told = made.statistics.at("light_loss").at("found").get<double>();
+        EXPECT_GT(told, 0.12) << name;
+        EXPECT_LT(told, 0.35) << name;
+    }
+}
+
 TEST(Coupled, TheFilmDoesNotDependOnThreadsSlow) {
     const Folder folder;
     const std::string rest = " --frames 0:3 --gop 3 --threads ";

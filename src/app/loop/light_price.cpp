@@ -59,26 +59,31 @@ double allowed_square(double tolerance) {
 
 float expected_share(const perceptual::VisibilityModel& model, const perceptual::TemporalState& rough,
                      const core::Radiance& light, float tolerance, double loss) {
-    core::Plane<perceptual::PixelNoise> noise =
+    const core::Plane<perceptual::PixelNoise> seen =
         perceptual::noise_of(rough.light, model.light(), light.error, light.shared_error);
     const core::Plane<perceptual::PixelNoise> hidden =
         perceptual::noise_of(rough.light, model.light(), rough.errors, rough.errors);
     // How light varies without the rays that the look took.
-    std::vector<double> batches(noise.size());
-    for (std::size_t i = 0; i < noise.size(); ++i) {
+    std::vector<double> batches(seen.size());
+    for (std::size_t i = 0; i < seen.size(); ++i) {
         const auto of_error =
             static_cast<double>(core::divide_or(rough.light.luminance.values()[i], rough.errors.values()[i], 0.0f));
         const double looked = static_cast<double>(tolerance) * of_error * std::sqrt(hidden.values()[i].alone);
-        batches[i] = batch_variance_of(noise.values()[i].alone, allowed_square(looked), {.typical = tolerance});
+        batches[i] = batch_variance_of(seen.values()[i].alone, allowed_square(looked), {.typical = tolerance});
     }
     const float low = model.requantise(rough, rough.plan).low_fraction;
+    const float means = perceptual::share_of_mean(rough.plan.quantisation, {rough.plan.scale, rough.plan.intra});
+    core::Plane<perceptual::PixelNoise> noise = seen;
     const auto loss_of = [&](double share) {
         const renderer::Allocation allocation{
-            .typical = std::max(static_cast<float>(share) * low, perceptual::least_relative)};
+            .typical = std::max(static_cast<float>(share) * low, perceptual::least_relative), .means = means};
         for (std::size_t i = 0; i < noise.size(); ++i) {
             const double allowed = allowed_square(share * std::sqrt(hidden.values()[i].alone));
-            const double left = variance_of(worth(batches[i], allowed, allocation), batches[i]);
-            noise.values()[i] = {static_cast<float>(left), static_cast<float>(left / 64)};
+            const auto [alone, of_block] = seen.values()[i];
+            const double price = core::divide_or(allocation.priced(alone, of_block), static_cast<double>(alone), 1.0),
+                         left = variance_of(worth(price * batches[i], allowed, allocation), batches[i]);
+            const float times = core::divide_or(static_cast<float>(left), alone, 0.0f);
+            noise.values()[i] = {times * alone, times * of_block};
         }
         const perceptual::NoisyPicture noisy{{rough.coefficients, rough.light.luma, {}},
                                              perceptual::noise_of_blocks(noise, rough.light.luma),

@@ -269,7 +269,7 @@ void ChunkLoop::look_roughly(const EyeSnapshots& worlds, const std::vector<rende
         core::ToleranceMap about =
             core::ToleranceMap::uniform(frames[e].visible.width(), frames[e].visible.height(), {0.0f, rough_tolerance});
         about.typical = rough_tolerance;  // rays by price: dark corners need not keep it
-        eyes.push_back(renderer_.light(*worlds[e], frames[e], {about, renderer::LightingMode::sparse}));
+        eyes.push_back(renderer_.light(*worlds[e], frames[e], {about, renderer::LightingMode::ahead}));
     }
     const PackedLight rough = pack(std::move(eyes), worlds.front()->time);
     const StageTimer timer(statistics_, Stage::tolerate);
