@@ -283,19 +283,22 @@ TEST(Sizes, OfSmallerPicturesAreThoseThatTheirCodecTakes) {
 }
 
 TEST(Sizes, OfDraftsAreThoseThatTheirCodecTakes) {
-    RenderOptions options;
-    options.input = support::film("aimed_reflection");
-    options.preview = true;
-    const auto expect = [&](const char* codec, const char* output, Size right) {
+    const auto expect = [](const char* codec, const char* output, Size whole, Size right) {
+        const support::Folder folder;
+        std::ofstream(folder / "film.json")
+            << "{\"size\": [" << whole.width << ", " << whole.height << R"(], "objects": [{"shape": "box"}]})";
+        RenderOptions options;
+        options.input = folder / "film.json";
+        options.preview = true;
         options.coding.codec = codec;
         options.output = output;
         const RenderJob film = prepare(options);
         EXPECT_EQ(film.size().width, right.width) << codec;
         EXPECT_EQ(film.size().height, right.height) << codec;
     };
-    expect("h264", "draft.mp4", {160, 88});
-    expect("av1", "draft.mp4", {160, 88});
-    expect("dnxhr", "draft.mov", {256, 140});
+    expect("h264", "draft.mp4", {320, 176}, {160, 88});
+    expect("av1", "draft.mp4", {160, 80}, {128, 64});
+    expect("dnxhr", "draft.mov", {1920, 1080}, {1280, 720});
 }
 
 }  // namespace

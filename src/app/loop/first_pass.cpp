@@ -37,7 +37,7 @@ RenderJob small(const RenderJob& film) {
     pass.rough = true;
     pass.tolerance = {};
     pass.tolerance.relative = 0.2f;
-    pass.coding = rough(film.coding, usual_quantiser(film.coding));
+    pass.coding = rough(pass.coding, usual_quantiser(film.coding));
     return pass;
 }
 

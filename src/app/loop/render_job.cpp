@@ -305,6 +305,21 @@ void settle_tolerance(RenderJob& film, const RenderOptions& options) {
             (master ? std::string(codec.name) : options.output.string()));
 }
 
+/// The shape of one eye's pictures; of drafts they are of half the size, or the least that their codec takes.
+Shape shape_of_eye(const RenderJob& film, const RenderOptions& options, const scene::Animation& animation) {
+    const Preset* preset = preset_of(options.coding);
+    if (preset != nullptr) preset->check_output(options.output);
+    ShapeWishes wishes = wishes_of(options, animation);
+    const Shape shape = settle_shape(wishes, preset);
+    if (!film.preview || options.size || options.effort || preset != nullptr) return shape;
+    std::optional<encoder::Codec> codec;
+    if (film.kind == OutputKind::film) codec = codec_of(options.coding, options.output);
+    // DNxHR has the matrix of 720 lines and more alone.
+    const double least = codec == encoder::Codec::dnxhr ? 720.0 / shape.size.height : 0.0;
+    wishes.size = scaled(shape.size, std::max(0.5, least), codec);
+    return settle_shape(wishes, preset);
+}
+
 /// The shape of pictures that hold those of all eyes.
 Shape shape_of_all(Shape of_eye, core::FramePacking packing) {
     const scene::PictureFormat all = packed({of_eye.size.width, of_eye.size.height}, packing);
@@ -325,16 +340,7 @@ RenderJob prepare(const RenderOptions& wanted) {
 
     const std::shared_ptr<scene::Animation> loaded = load(options);
     if (options.projection) set_projection(*loaded, *options.projection);
-    const Preset* preset = preset_of(options.coding);
-    if (preset != nullptr) preset->check_output(options.output);
-    ShapeWishes wishes = wishes_of(options, *loaded);
-    Shape shape = settle_shape(wishes, preset);
-    if (film.preview && !options.size && !options.effort && preset == nullptr) {
-        const bool coded = film.kind == OutputKind::film;
-        wishes.size =
-            scaled(shape.size, 0.5, coded ? std::optional(codec_of(options.coding, options.output)) : std::nullopt);
-        shape = settle_shape(wishes, preset);
-    }
+    const Shape shape = shape_of_eye(film, options, *loaded);
     film.rate = shape.rate;
     set_stereo(*loaded, options, shape.size);
     tell_shape(*loaded, shape.size);
@@ -372,7 +378,7 @@ RenderJob prepare(const RenderOptions& wanted) {
     film.rendering.mattes = options.layers || film.has_alpha() || has_alpha_beside(film, options);
     film.keyframes = keyframes_of(options.coding);
     film.two_passes = film.kind == OutputKind::film && two_passes(options.coding);
-    film.disc = preset != nullptr && preset->disc;
+    film.disc = options.coding.preset && preset_of(options.coding)->disc;
     film.sound = sound_of(options.coding, animation->sound, options.output, film.frames, film.rate);
     if (film.kind == OutputKind::film) check_settings(film.coding);
     settle_edges(film, options);
