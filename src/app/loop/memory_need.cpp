@@ -13,7 +13,6 @@
 #include "encoder/codec.h"
 #include "image/image.h"
 #include "renderer/surface/opacity_map.h"
-#include "scene/preparation/traits.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -26,7 +25,8 @@ constexpr std::uint64_t per_vpl = 600;  ///< as many as are asked for, about
 constexpr std::uint64_t per_pixel = 250, per_sample = 60;
 constexpr std::uint64_t per_pixel_looked_at_closer = 500;
 constexpr std::uint64_t per_exposed_sample = 40;
-constexpr std::uint64_t per_followed_pixel = 1600;      ///< where light changes and records follow
+/// Rays in flight with the cells that they ask: as many as pixels want, up to those that are traced in one go.
+constexpr std::uint64_t per_asking_pixel = 13'000, most_asking = std::uint64_t{400} << 20;
 constexpr std::uint64_t samples_of_blurred_lamps = 32;  ///< of a pixel on the average, where a lens blurs
 constexpr std::uint64_t per_decoded_pixel = 48;
 constexpr std::uint64_t per_kept_pixel = 8;  ///< of a chunk's pictures, which are coded until it has its rate
@@ -72,6 +72,23 @@ std::uint64_t kept_pixels(const RenderJob& film) {
 std::uint64_t grained_pixels(const RenderJob& film) {
     return grain_pictures(film.film()) * static_cast<std::uint64_t>(film.format.width) *
            static_cast<std::uint64_t>(film.format.height);
+}
+
+/// What a codec holds beside MPEG-2's pictures: its library, and pictures that it looks ahead at.
+std::uint64_t codec_memory(const RenderJob& film, std::uint64_t pixels) {
+    if (film.kind != OutputKind::film) return 0;
+    switch (film.coding.codec) {
+        case encoder::Codec::h264:
+            return (std::uint64_t{6} << 20) + 60 * pixels;
+        case encoder::Codec::hevc:
+            return (std::uint64_t{34} << 20) + 410 * pixels;
+        case encoder::Codec::av1:
+            return (std::uint64_t{54} << 20) + 760 * pixels;
+        case encoder::Codec::ffv1:
+            return (std::uint64_t{4} << 20) + 220 * pixels;
+        default:
+            return 0;
+    }
 }
 
 /// Grids of one file, posed in a chunk, and light within them.
@@ -127,13 +144,14 @@ MemoryNeed memory_need(const RenderJob& film) {
     need.lights = per_lamp * (static_cast<std::uint64_t>(film.rendering.direct_points) + scene.lights.size()) +
                   per_vpl * static_cast<std::uint64_t>(film.rendering.vpls);
     const std::uint64_t closer = film.rendering.most_samples > 0 ? per_pixel_looked_at_closer : 0;
-    const bool follows = film.rendering.indirect == renderer::Indirect::rays &&
-                         film.rendering.cache != renderer::CacheUse::off && scene::traits_of(scene).changes_light();
-    need.frames = always +
-                  (per_pixel + closer + (follows ? per_followed_pixel : 0) +
-                   per_sample * static_cast<std::uint64_t>(film.rendering.samples) +
+    const bool gathers = film.rendering.indirect == renderer::Indirect::rays;
+    const std::uint64_t pixels =
+        static_cast<std::uint64_t>(film.format.width) * static_cast<std::uint64_t>(film.format.height);
+    need.frames = always + codec_memory(film, pixels) +
+                  (per_pixel + closer + per_sample * static_cast<std::uint64_t>(film.rendering.samples) +
                    per_exposed_sample * most_exposure_samples(film)) *
-                      static_cast<std::uint64_t>(film.format.width) * static_cast<std::uint64_t>(film.format.height) +
+                      pixels +
+                  (gathers ? std::min(per_asking_pixel * pixels, most_asking) : 0) +
                   per_kept_pixel * (kept_pixels(film) + grained_pixels(film));
     return need;
 }
