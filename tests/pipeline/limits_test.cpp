@@ -70,6 +70,21 @@ TEST(Memory, OfVolumesIsReckonedWithSlow) {
     EXPECT_GT(after("it takes about "), peak);
 }
 
+TEST(Memory, OfRaysInStillLightIsReckonedWithSlow) {
+    const Folder folder;
+    const std::string start = program() + " render -y --hold " + film("colonnade") +
+                              " --size 160x90 --frames 0:0 --exposure 0 --quiet --threads 2 -o " +
+                              path(folder, "f.m2v");
+    const auto little = run(start + " --memory 16M");
+    const std::string words = "it takes about ";
+    ASSERT_TRUE(has(little, words)) << little.output;
+    const double told = std::stod(little.output.substr(little.output.find(words) + words.size()));
+    ASSERT_EQ(run(start + " --stats " + path(folder, "s.json")).status, 0);
+    const double peak = json::parse(support::contents(folder / "s.json")).at("peak_rss_mib");
+    EXPECT_GT(told, peak);
+    EXPECT_LT(told, 2.5 * peak);
+}
+
 TEST(Memory, IsSaidInPowersOf1024) {
     EXPECT_EQ(app::memory_from("8G"), std::uint64_t{8} << 30);
     EXPECT_EQ(app::memory_from("1.5G"), std::uint64_t{3} << 29);
