@@ -101,14 +101,18 @@ void fill_plane(AVFrame& frame, int plane, const core::Plane<std::uint8_t>& samp
     }
 }
 
-/// A plane with more than 8 bits, from code values of 8 that are not rounded.
+/// A plane from code values of 8 bits that are not rounded.
 void fill_exact(AVFrame& frame, int plane, int width, int height, int depth,
                 const std::function<float(int x, int y)>& value_at) {
     const float scale = static_cast<float>(1 << (depth - 8));
-    for (int y = 0; y < height; ++y) {
-        std::uint16_t* out = row_of<std::uint16_t>(frame, plane, y);
-        for (int x = 0; x < width; ++x) out[x] = static_cast<std::uint16_t>(std::lround(scale * value_at(x, y)));
-    }
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            const long value = std::lround(scale * value_at(x, y));
+            if (depth == 8)
+                row_of<std::uint8_t>(frame, plane, y)[x] = static_cast<std::uint8_t>(value);
+            else
+                row_of<std::uint16_t>(frame, plane, y)[x] = static_cast<std::uint16_t>(value);
+        }
 }
 
 /// Chroma of 4:2:0 at the place of a pixel: between its columns and rows, which lie as MPEG-2 has them.
