@@ -4,7 +4,6 @@
 #include <string>
 
 #include "image/image.h"
-#include "pipeline/browser.h"
 #include "pipeline/fixture.h"
 
 /// Frames where the world is hidden, and holes.
@@ -76,25 +75,6 @@ TEST_F(Alpha, OfProRes4444IsThatOfPng) {
     }
 }
 
-/// A page that draws a film's first picture on an empty canvas, and says alpha of its thirds and red of the first one.
-constexpr const char* drawing_page = R"(<!DOCTYPE html><html><body><script>
-(async () => {
-  const video = document.createElement('video');
-  video.muted = true;
-  video.src = 'data:video/webm;base64,' + film;
-  await new Promise((done) => video.addEventListener('loadeddata', done, {once: true}));
-  const canvas = document.createElement('canvas');
-  [canvas.width, canvas.height] = [video.videoWidth, video.videoHeight];
-  const pen = canvas.getContext('2d', {willReadFrequently: true});
-  const at = (x) => pen.getImageData(x, 8, 1, 1).data;
-  for (let i = 0; i < 200 && at(8)[3] === 0; ++i) {
-    pen.drawImage(video, 0, 0);
-    await new Promise((done) => setTimeout(done, 20));
-  }
-  console.log('FOUND ' + JSON.stringify([at(8)[3], at(24)[3], at(40)[3], at(8)[0]]) + ' END');
-})();
-</script></body></html>)";
-
 class AlphaOfWebm : public Alpha {
   protected:
     void SetUp() override {
@@ -156,22 +136,6 @@ TEST_F(AlphaOfWebm, IsNoneWhereTheFilmHasNone) {
     const std::string streams = run("ffprobe -v error -show_streams " + path(folder_, "w.webm")).output;
     EXPECT_NE(streams.find("codec_name=vp9"), std::string::npos);
     EXPECT_EQ(streams.find("alpha_mode"), std::string::npos);
-}
-
-TEST_F(AlphaOfWebm, IsShownByABrowserSlow) {
-    if (browser().empty()) GTEST_SKIP() << "there is no browser";
-    render("m.webm", "--quantiser 2");
-    render("p.%04d.png", "--frames 0:0");
-    const std::string page = path(folder_, "page.html");
-    std::ofstream(page) << "";
-    put_film(page, "film", path(folder_, "m.webm"));
-    std::ofstream(page, std::ios::app) << drawing_page;
-    const json said = said_by_page(folder_, page);
-    ASSERT_EQ(said.size(), 4u);
-    EXPECT_GT(said[0], 250);
-    EXPECT_LT(said[1], 5);
-    EXPECT_LT(said[2], 5);
-    EXPECT_NEAR(said[3].get<double>(), static_cast<unsigned char>(rgba("p.%04d.png")[4 * (8 * 48 + 8)]), 6);
 }
 
 TEST_F(Alpha, IsOneWhereTheSkyIsSeenAndHolesStay) {
