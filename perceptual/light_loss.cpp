@@ -178,6 +178,27 @@ CodedBlocks::CodedBlocks(const core::Plane<core::Block8x8>& picture, const core:
         if (predicted.values()[i] != 0) coefficients.values()[i] = residual.values()[i];
 }
 
+core::Plane<std::uint8_t> decode(const CodedBlocks& blocks, const core::Plane<float>& luma,
+                                 const core::Plane<float>& prediction, const Quantisation& quantisation, float scale) {
+    EXPECTS(prediction.empty() == blocks.predicted.empty());
+    core::Plane<std::uint8_t> picture(luma.width(), luma.height());
+    for (int row = 0; row < blocks.coefficients.height(); ++row)
+        for (int column = 0; column < blocks.coefficients.width(); ++column) {
+            const bool inter = !blocks.predicted.empty() && blocks.predicted.at(column, row) != 0;
+            core::Block8x8 block = blocks.coefficients.at(column, row);
+            for (std::size_t i = 0; i < block.size(); ++i)
+                block[i] = Levels(quantisation, scale, inter, i).decode(block[i]);
+            block = core::inverse_dct(block);
+            for (int y = row * side; y < std::min((row + 1) * side, luma.height()); ++y)
+                for (int x = column * side; x < std::min((column + 1) * side, luma.width()); ++x) {
+                    const float told = inter ? prediction.at(x, y) : 0.0f,
+                                decoded = told + block[static_cast<std::size_t>(y % side * side + x % side)];
+                    picture.at(x, y) = static_cast<std::uint8_t>(std::lround(std::clamp(decoded, 0.0f, 255.0f)));
+                }
+        }
+    return picture;
+}
+
 CodedBlocks left_by_intra(const core::Plane<core::Block8x8>& picture, const Quantisation& quantisation, float scale) {
     CodedBlocks left(picture, {}, {});
     left.predicted = core::Plane<std::uint8_t>(picture.width(), picture.height(), 1);

@@ -37,6 +37,11 @@ struct CodedBlocks {
                 const core::Plane<float>& prediction);
 };
 
+/// Luma as it is decoded: blocks of a picture of this luma, coded by these steps, on top of the prediction that they
+/// were told by (empty: none).
+core::Plane<std::uint8_t> decode(const CodedBlocks& blocks, const core::Plane<float>& luma,
+                                 const core::Plane<float>& prediction, const Quantisation& quantisation, float scale);
+
 /// What is left of a picture for the next one to code, if nothing moves: what these intra steps lost.
 CodedBlocks left_by_intra(const core::Plane<core::Block8x8>& picture, const Quantisation& quantisation, float scale);
 

@@ -100,6 +100,45 @@ TEST(LightLoss, OfWhatStepsLeftIsLessThanOfThePicture) {
     EXPECT_LT(loss(left), 0.1 * loss(alone(blocks)));
 }
 
+TEST(LightLoss, DecodedPicturesAreOffByWhatTheirStepsLeave) {
+    // A ramp in noise, and a prediction of all but the last block that is 3 code values too bright.
+    core::Picture picture;
+    picture.y = core::Plane<std::uint8_t>(60, 12);
+    picture.luma = core::Plane<float>(60, 12);
+    for (int y = 0; y < 12; ++y)
+        for (int x = 0; x < 60; ++x)
+            picture.luma.at(x, y) = 60.0f + 2.0f * static_cast<float>(x) + 20.0f * core::uniform(3, x, y);
+    core::Plane<float> prediction = picture.luma;
+    for (float& value : prediction.values()) value += 3;
+    prediction.at(58, 10) = -1;
+    const core::Plane<core::Block8x8> blocks = transform(picture);
+    const auto off = [&](const core::Plane<float>& by, float scale, int first, int last) {
+        const CodedBlocks coded(blocks, picture.luma, by);
+        Quantisation quantisation = even_steps();
+        quantisation.dc_step *= scale;
+        const core::Plane<std::uint8_t> seen = decode(coded, picture.luma, by, quantisation, scale);
+        double square = 0;
+        for (int y = 0; y < 8; ++y)
+            for (int x = first; x < last; ++x) {
+                const double d = static_cast<double>(seen.at(x, y)) - static_cast<double>(picture.luma.at(x, y));
+                square += d * d / (8.0 * (last - first));
+            }
+        return square;
+    };
+    // Next to no steps leave the rounding of a decoder; coarse ones up to a twelfth of their squares, less of what
+    // vanishes.
+    EXPECT_NEAR(off({}, 1.0f / 64, 0, 56), 1.0 / 12, 0.02);
+    EXPECT_NEAR(off({}, 1, 0, 56), step * step / 12, 0.3 * step * step / 12);
+    // Of what is predicted a difference of one step and a half is told to half a step, one below half a step not at
+    // all.
+    EXPECT_NEAR(off(prediction, 1, 0, 56), 1.0, 0.2);
+    EXPECT_NEAR(off(prediction, 4, 0, 56), 9.0, 0.5);
+    const CodedBlocks coded(blocks, picture.luma, prediction);
+    EXPECT_EQ(coded.predicted.at(7, 1), 0);
+    EXPECT_EQ(decode(coded, picture.luma, prediction, even_steps(), 1).at(58, 10),
+              decode(alone(blocks), picture.luma, {}, even_steps(), 1).at(58, 10));
+}
+
 TEST(LightLoss, OfABlackPictureIsOverItsRounding) {
     const core::Plane<core::Block8x8> black(40, 30, core::Block8x8{});
     EXPECT_EQ((NoisyPicture{alone(black), white_noise(40, 30, 0), even_steps(), 1}.loss(8)), 0);

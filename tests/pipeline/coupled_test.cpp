@@ -87,6 +87,22 @@ TEST(Coupled, AFirstPictureLosesAboutWhatIsAskedFor) {
     }
 }
 
+TEST(Coupled, PredictedPicturesAreMeasuredWhereTheCoderHoldsThemBack) {
+    const Folder folder;
+    const auto stats = folder / "s.json";
+    const auto outcome =
+        run(support::program() + " render -y --hold " + film("cornell") + " -o " + (folder / "f.mp4").string() +
+            " --stats " + stats.string() + " --size 64x64 --samples 1 --exposure 0 --quiet --codec hevc --quantiser 8" +
+            " --b-pictures 0 --frames 0:2");
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    const auto made = nlohmann::json::parse(contents(stats));
+    EXPECT_EQ(made.at("light_loss").at("pictures"), 3);
+    const auto& frames = made.at("per_frame");
+    ASSERT_EQ(frames.at(2).at("type"), "P");
+    // Each P picture tells the share of the next.
+    EXPECT_NE(frames.at(2).at("light_share"), frames.at(1).at("light_share"));
+}
+
 TEST(Coupled, TheFilmDoesNotDependOnThreadsSlow) {
     const Folder folder;
     const std::string rest = " --frames 0:3 --gop 3 --threads ";

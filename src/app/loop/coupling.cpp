@@ -67,21 +67,21 @@ std::optional<double> Coupling::keep(const core::Picture& picture, const core::R
                                      const core::Radiance& shown, const core::Visible& visible,
                                      const encoder::PicturePlan& plan) {
     if (plan.type == encoder::PictureType::bidirectional) return {};
-    perceptual::Observation& kept = kept_[picture.number];
-    kept = model_.observe(picture, shown, std::make_shared<const core::Visible>(visible), std::exchange(warped_, {}));
-    const core::Plane<float> prediction = std::exchange(prediction_, {});
+    Kept& kept = kept_[picture.number];
+    kept = {model_.observe(picture, shown, std::make_shared<const core::Visible>(visible), std::exchange(warped_, {})),
+            std::exchange(prediction_, {}), steps_of(plan, plan.quantiser)};
+    const auto& [seen, prediction, steps] = kept;
     const bool is_intra = plan.type == encoder::PictureType::intra;
     if (!is_intra && prediction.empty()) return {};
-    const perceptual::CodingPlan steps = steps_of(plan, plan.quantiser);
-    const auto measured = [&](perceptual::CodedBlocks blocks) {
-        return measure_loss(std::move(blocks), kept.light, light, model_.light(), steps, settings_.loss,
+    const auto measured = [&, &observed = seen, &coding = steps](perceptual::CodedBlocks blocks) {
+        return measure_loss(std::move(blocks), observed.light, light, model_.light(), coding, settings_.loss,
                             share_of(plan));
     };
-    const LightLoss found = measured({kept.coefficients, kept.light.luma, prediction});
+    const LightLoss found = measured({seen.coefficients, seen.light.luma, prediction});
     if (settings_.fraction) return found.of_picture;
     if (is_intra && share_of_predicted_ == 0)
         share_of_predicted_ =
-            measured(perceptual::left_by_intra(kept.coefficients, steps.quantisation, steps.scale)).share;
+            measured(perceptual::left_by_intra(seen.coefficients, steps.quantisation, steps.scale)).share;
     (is_intra ? share_ : share_of_predicted_) = found.share;
     return found.of_picture;
 }
@@ -107,12 +107,41 @@ perceptual::CodedFacts Coupling::facts_of(const encoder::CodedPicture& coded) co
 void Coupling::judge(const encoder::CodedPicture& coded) {
     if (coded.plan.type == encoder::PictureType::bidirectional) return;
     if (const auto kept = kept_.extract(coded.plan.number)) {
-        state_ = model_.judge(std::move(kept.mapped()), facts_of(coded));
+        state_ = model_.judge(std::move(kept.mapped().seen), facts_of(coded));
         is_judged_ = true;
         requantised_.reset();
     }
     reference_ = coded.reconstruction.y;
     reference_number_ = coded.plan.number;
+}
+
+void Coupling::assume_coded() {
+    if (kept_.empty() || kept_.rbegin()->first < state_->number) return;
+    auto& [number, kept] = *kept_.rbegin();
+    auto& [seen, prediction, steps] = kept;
+    const perceptual::CodedBlocks blocks(seen.coefficients, seen.light.luma, prediction);
+    perceptual::CodedFacts facts;
+    facts.number = number;
+    facts.plan = steps;
+    facts.reconstruction = perceptual::decode(blocks, seen.light.luma, prediction, steps.quantisation, steps.scale);
+    facts.intra =
+        core::Plane<std::uint8_t>((seen.light.width() + 15) / 16, (seen.light.height() + 15) / 16, steps.intra ? 1 : 0);
+    facts.scale = core::Plane<float>(facts.intra.width(), facts.intra.height(), steps.scale);
+    if (!prediction.empty()) {
+        facts.prediction = core::Plane<std::uint8_t>(prediction.width(), prediction.height());
+        for (std::size_t i = 0; i < prediction.size(); ++i)
+            facts.prediction.values()[i] =
+                static_cast<std::uint8_t>(std::lround(std::max(prediction.values()[i], 0.0f)));
+        for (int y = 0; y < blocks.predicted.height(); ++y)
+            for (int x = 0; x < blocks.predicted.width(); ++x)
+                if (blocks.predicted.at(x, y) == 0) facts.intra.at(x / 2, y / 2) = 1;
+    }
+    reference_ = facts.reconstruction;
+    reference_number_ = number;
+    state_ = model_.judge(std::move(seen), facts);
+    is_judged_ = false;
+    requantised_.reset();
+    kept_.clear();
 }
 
 void widen_poles(const scene::Camera& camera, core::ToleranceMap& tolerance) {

@@ -40,6 +40,9 @@ class Coupling {
     void take_rough_look(const core::Picture& picture, const core::Radiance& light, float tolerance,
                          const core::Radiance& shown, const core::Visible& visible, const encoder::PicturePlan& plan);
     bool remembers() const { return state_.has_value(); }
+    /// Takes the newest picture as coded as it was planned, where the coder has not given it back. Only if it
+    /// remembers().
+    void assume_coded();
     /// Whether tolerances follow quantisers that macroblocks were coded with, not those of a plan.
     bool follows_macroblocks() const { return is_judged_; }
 
@@ -68,6 +71,19 @@ class Coupling {
     }
 
   private:
+    /// A picture until it is coded.
+    struct Kept {
+        perceptual::Observation seen;
+        core::Plane<float> prediction;  ///< along motion (CodedBlocks); empty: none
+        perceptual::CodingPlan steps;   ///< planned
+
+        template <class A>
+        friend void archive(A& a, Kept& k) {
+            auto& [seen, prediction, steps] = k;
+            a(seen, prediction, steps);
+        }
+    };
+
     perceptual::CodingPlan steps_of(const encoder::PicturePlan& plan, int quantiser) const;
     perceptual::CodedFacts facts_of(const encoder::CodedPicture& coded) const;
 
@@ -81,8 +97,8 @@ class Coupling {
     std::optional<perceptual::Requantised> requantised_;  ///< state_, for the frame lit last: B pictures share it
     perceptual::MaskedErrors warped_;                     ///< to the frame being lit
     core::Plane<float> prediction_;                       ///< its luma along motion, if it is to be a P picture
-    std::map<std::int64_t, perceptual::Observation> kept_;
-    core::Plane<std::uint8_t> reference_;  ///< luma of the newest I or P picture that is coded
+    std::map<std::int64_t, Kept> kept_;
+    core::Plane<std::uint8_t> reference_;  ///< luma of the newest I or P picture as coded
     std::int64_t reference_number_ = -1;
 };
 

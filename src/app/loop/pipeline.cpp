@@ -234,7 +234,10 @@ encoder::PicturePlan ChunkLoop::plan(const EyeSnapshots& worlds, const std::vect
     const encoder::PicturePlan plan = coder_->plan(world.frame, world.cut_before, motion);
     if (!coupling_) return plan;
     if (world.cut_before || plan.number == chunk_.first) coupling_->forget();
-    if (!coupling_->remembers()) look_roughly(worlds, frames, plan);
+    if (coupling_->remembers())
+        coupling_->assume_coded();
+    else
+        look_roughly(worlds, frames, plan);
     const std::int64_t reference = coupling_->remembered();
     const core::MotionField* field = reference == plan.number ? nullptr : motion.to(reference);
     const core::FramePacking packing = job_.animation->stereo;
