@@ -142,10 +142,10 @@ void ChunkLoop::frame(std::int64_t n) {
     RenderedMotion motion(job_, posed_, seen_in(frames), worlds, statistics_);
 
     // Plan its coding, and by it and the eye its tolerances.
+    const renderer::Statistics before = renderer_.statistics();
     const encoder::PicturePlan coding = plan(worlds, frames, motion);
 
     // Light it within them, and show it.
-    const renderer::Statistics before = renderer_.statistics();
     const PackedLight light =
         pack(this->light(worlds, std::move(frames), coding.quantiser, motion), worlds.front()->time);
     const core::Picture picture = develop(light, n);
