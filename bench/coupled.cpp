@@ -16,7 +16,7 @@
 #include <optional>
 #include <sstream>
 
-#include "app/loop/automatic_exposure.h"
+#include "app/job/automatic_exposure.h"
 #include "app/options/option_text.h"
 #include "app/options/options.h"
 #include "app/system/memory_limit.h"

@@ -5,7 +5,7 @@
 #include <map>
 #include <vector>
 
-#include "app/loop/render_job.h"
+#include "app/job/render_job.h"
 #include "core/motion_field.h"
 #include "core/picture.h"
 #include "core/visible.h"

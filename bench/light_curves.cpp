@@ -10,7 +10,7 @@
 #include <cstdio>
 #include <string>
 
-#include "app/loop/render_job.h"
+#include "app/job/render_job.h"
 #include "app/loop/run_statistics.h"
 #include "app/report/statistics.h"
 #include "bench/wishes.h"

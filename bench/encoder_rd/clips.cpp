@@ -9,9 +9,9 @@
 #include <memory>
 #include <utility>
 
-#include "app/loop/automatic_exposure.h"
+#include "app/job/automatic_exposure.h"
+#include "app/job/render_job.h"
 #include "app/loop/pipeline.h"
-#include "app/loop/render_job.h"
 #include "app/options/option_text.h"
 #include "core/error.h"
 #include "encoder/av/y4m.h"

@@ -5,7 +5,7 @@
 #include <map>
 #include <memory>
 
-#include "app/loop/render_job.h"
+#include "app/job/render_job.h"
 #include "core/motion_field.h"
 
 namespace render2mpeg::bench {

@@ -14,8 +14,8 @@
 #include <string>
 #include <vector>
 
-#include "app/loop/automatic_exposure.h"
-#include "app/loop/render_job.h"
+#include "app/job/automatic_exposure.h"
+#include "app/job/render_job.h"
 #include "app/loop/run_statistics.h"
 #include "core/color.h"
 #include "core/error.h"

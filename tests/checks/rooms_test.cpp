@@ -102,12 +102,12 @@ TEST(RoomCheck, FindsFilesThatReadmesOfLargeRoomsLeaveOut) {
     const auto count = [](const std::string& text) {
         const std::string readme = "src/app/loop/README.md";
         const auto findings =
-            untrue_readmes({make_file(readme, "May touch files, options and system.\n" + text),
-                            make_file("src/app/loop/first_pass.h", ""), make_file("src/app/loop/first_pass.cpp", "")});
+            untrue_readmes({make_file(readme, "May touch job, coupling, files, options and system.\n" + text),
+                            make_file("src/app/loop/sink.h", ""), make_file("src/app/loop/sink.cpp", "")});
         return std::count_if(findings.begin(), findings.end(), [&](const Finding& f) { return f.path == readme; });
     };
-    EXPECT_EQ(count("`first_pass` codes it roughly."), 0);
-    EXPECT_EQ(count("`pass` codes it roughly."), 2) << "its header and its source";
+    EXPECT_EQ(count("`sink` takes frames."), 0);
+    EXPECT_EQ(count("`kept` takes frames."), 2) << "its header and its source";
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include <regex>
 #include <string>
 
-#include "app/loop/hire.h"
+#include "app/estimate/hire.h"
 #include "app/options/option_text.h"
 #include "app/options/usage_error.h"
 #include "farm/farm_film.h"

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "app/loop/render_job.h"
+#include "app/job/render_job.h"
 #include "app/loop/run_statistics.h"
 #include "core/binomial.h"
 #include "core/color.h"

@@ -5,7 +5,7 @@
 #include <map>
 #include <vector>
 
-#include "app/loop/coupling.h"
+#include "app/coupling/coupling.h"
 #include "app/loop/pipeline.h"
 #include "app/options/option_text.h"
 #include "core/color.h"

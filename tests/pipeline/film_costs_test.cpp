@@ -6,7 +6,7 @@
 
 #include "app/experiments/comparison.h"
 #include "app/experiments/film_costs.h"
-#include "app/loop/render_job.h"
+#include "app/job/render_job.h"
 #include "app/options/film.h"
 #include "app/options/option_text.h"
 #include "app/report/figures.h"

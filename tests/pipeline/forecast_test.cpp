@@ -1,4 +1,4 @@
-#include "app/loop/forecast.h"
+#include "app/estimate/forecast.h"
 
 #include <gtest/gtest.h>
 

@@ -14,8 +14,8 @@
 
 #include "app/files/file_io.h"
 #include "app/files/work_folder.h"
-#include "app/loop/resume.h"
 #include "app/options/options.h"
+#include "app/production/resume.h"
 #include "app/system/interrupt.h"
 #include "app/system/progress.h"
 #include "core/error.h"

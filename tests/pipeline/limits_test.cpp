@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "app/loop/forecast.h"
+#include "app/estimate/forecast.h"
 #include "app/system/memory_limit.h"
 #include "core/error.h"
 #include "pipeline/fixture.h"

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "app/loop/scene_settings.h"
+#include "app/job/scene_settings.h"
 #include "pipeline/fixture.h"
 
 /// --cache on, and what it shows of itself.

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "app/files/work_folder.h"
-#include "app/loop/resume.h"
+#include "app/production/resume.h"
 #include "core/error.h"
 #include "pipeline/fixture.h"
 

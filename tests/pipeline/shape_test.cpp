@@ -4,7 +4,7 @@
 
 #include <fstream>
 
-#include "app/loop/render_job.h"
+#include "app/job/render_job.h"
 #include "app/options/film.h"
 #include "app/options/mistakes.h"
 #include "core/error.h"

@@ -4,7 +4,7 @@
 #include <fstream>
 #include <string>
 
-#include "app/loop/eyes.h"
+#include "app/job/eyes.h"
 #include "pipeline/fixture.h"
 
 /// Films for two eyes through the program.

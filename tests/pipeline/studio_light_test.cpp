@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "app/loop/automatic_exposure.h"
+#include "app/job/automatic_exposure.h"
+#include "app/job/render_job.h"
 #include "app/loop/pipeline.h"
-#include "app/loop/render_job.h"
 #include "support/program.h"
 
 /// How models without light look in the studio, by a picture of each.

@@ -8,13 +8,13 @@
 #include <optional>
 
 #include "app/commands/render_stream.h"
+#include "app/estimate/forecast.h"
+#include "app/estimate/hire.h"
 #include "app/files/file_io.h"
 #include "app/files/publish.h"
-#include "app/loop/forecast.h"
-#include "app/loop/hire.h"
 #include "app/loop/kept_frames.h"
-#include "app/loop/resume.h"
 #include "app/production/production.h"
+#include "app/production/resume.h"
 #include "app/report/frame_view.h"
 #include "app/report/side_film.h"
 #include "app/report/statistics.h"

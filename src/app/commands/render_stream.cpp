@@ -4,10 +4,10 @@
 #include <unistd.h>
 
 #include "app/loop/pipeline.h"
-#include "app/loop/resume.h"
 #include "app/options/output_kind.h"
 #include "app/options/usage_error.h"
 #include "app/production/production.h"
+#include "app/production/resume.h"
 #include "app/report/frame_view.h"
 #include "app/report/summary.h"
 #include "app/system/error_collector.h"

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "app/files/output_stream.h"
-#include "app/loop/render_job.h"
+#include "app/job/render_job.h"
 #include "app/loop/sink.h"
 #include "app/options/options.h"
 #include "encoder/av/av.h"

@@ -18,7 +18,7 @@
 #include "app/experiments/trial_command.h"
 #include "app/files/file_io.h"
 #include "app/files/temporary_folder.h"
-#include "app/loop/eyes.h"
+#include "app/job/eyes.h"
 #include "app/options/usage_error.h"
 #include "app/system/interrupt.h"
 #include "app/system/program.h"

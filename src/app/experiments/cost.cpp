@@ -9,10 +9,10 @@
 #include <optional>
 #include <vector>
 
+#include "app/estimate/forecast.h"
 #include "app/experiments/film_costs.h"
 #include "app/experiments/trial_command.h"
 #include "app/files/file_io.h"
-#include "app/loop/forecast.h"
 #include "app/system/interrupt.h"
 #include "app/system/terminal.h"
 #include "core/numeric.h"

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "app/estimate/forecast.h"
 #include "app/experiments/trial_command.h"
-#include "app/loop/forecast.h"
-#include "app/loop/render_job.h"
+#include "app/job/render_job.h"
 #include "core/picture.h"
 
 namespace render2mpeg::app {

@@ -6,9 +6,9 @@
 #include <numeric>
 #include <utility>
 
+#include "app/job/scene_settings.h"
 #include "app/loop/picture_coder.h"
 #include "app/loop/pipeline.h"
-#include "app/loop/scene_settings.h"
 #include "app/report/frame_view.h"
 #include "app/system/interrupt.h"
 #include "core/color.h"

@@ -10,10 +10,10 @@
 #include <optional>
 #include <vector>
 
+#include "app/estimate/forecast.h"
 #include "app/experiments/installed_metrics.h"
-#include "app/loop/forecast.h"
+#include "app/job/render_job.h"
 #include "app/loop/glare_filter.h"
-#include "app/loop/render_job.h"
 #include "app/loop/run_statistics.h"
 #include "app/options/film.h"
 #include "core/error_histogram.h"

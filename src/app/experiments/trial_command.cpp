@@ -7,9 +7,9 @@
 
 #include "app/files/file_io.h"
 #include "app/files/publish.h"
-#include "app/loop/automatic_exposure.h"
-#include "app/loop/resume.h"
+#include "app/job/automatic_exposure.h"
 #include "app/options/usage_error.h"
+#include "app/production/resume.h"
 #include "app/report/frame_view.h"
 #include "app/report/heatmap_film.h"
 #include "app/report/report.h"

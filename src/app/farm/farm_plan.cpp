@@ -10,11 +10,11 @@
 #include <numeric>
 #include <system_error>
 
+#include "app/estimate/chunk_shares.h"
 #include "app/files/file_io.h"
 #include "app/files/work_folder.h"
-#include "app/loop/chunk_shares.h"
-#include "app/loop/resume.h"
 #include "app/options/usage_error.h"
+#include "app/production/resume.h"
 #include "core/error.h"
 #include "core/isa.h"
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "app/loop/render_job.h"
+#include "app/job/render_job.h"
 #include "app/options/film.h"
 #include "app/options/options.h"
 

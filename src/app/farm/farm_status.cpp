@@ -8,13 +8,13 @@
 #include <string>
 #include <vector>
 
+#include "app/estimate/hire.h"
 #include "app/farm/farm.h"
 #include "app/farm/farm_plan.h"
 #include "app/farm/part_news.h"
 #include "app/farm/pieces.h"
 #include "app/files/file_io.h"
 #include "app/files/work_folder.h"
-#include "app/loop/hire.h"
 #include "app/options/usage_error.h"
 #include "app/system/progress.h"
 #include "app/system/terminal.h"

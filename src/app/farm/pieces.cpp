@@ -17,9 +17,9 @@
 
 #include "app/files/file_io.h"
 #include "app/files/work_folder.h"
-#include "app/loop/resume.h"
 #include "app/options/option_text.h"
 #include "app/options/output_kind.h"
+#include "app/production/resume.h"
 #include "app/system/interrupt.h"
 #include "app/system/program.h"
 #include "core/error.h"

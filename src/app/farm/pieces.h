@@ -8,7 +8,7 @@
 
 #include "app/farm/farm_plan.h"
 #include "app/files/chunk_file.h"
-#include "app/loop/render_job.h"
+#include "app/job/render_job.h"
 #include "app/options/options.h"
 
 namespace render2mpeg::app {

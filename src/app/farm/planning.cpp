@@ -14,15 +14,15 @@
 #include <system_error>
 #include <vector>
 
+#include "app/estimate/chunk_shares.h"
 #include "app/farm/farm_plan.h"
 #include "app/farm/job_files.h"
 #include "app/files/file_io.h"
 #include "app/files/publish.h"
 #include "app/files/work_folder.h"
-#include "app/loop/chunk_shares.h"
-#include "app/loop/resume.h"
 #include "app/options/usage_error.h"
 #include "app/production/production.h"
+#include "app/production/resume.h"
 #include "app/system/image_reader.h"
 #include "app/system/interrupt.h"
 #include "app/system/program.h"

@@ -1,7 +1,7 @@
 #pragma once
 #include <optional>
 
-#include "app/loop/render_job.h"
+#include "app/job/render_job.h"
 #include "app/loop/run_statistics.h"
 #include "core/archive.h"
 #include "core/radiance.h"

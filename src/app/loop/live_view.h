@@ -6,7 +6,7 @@
 #include <memory>
 #include <optional>
 
-#include "app/loop/render_job.h"
+#include "app/job/render_job.h"
 #include "app/options/options.h"
 #include "core/plane.h"
 #include "renderer/renderer.h"

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "app/loop/render_job.h"
+#include "app/job/render_job.h"
 #include "app/loop/run_statistics.h"
 #include "core/motion_field.h"
 #include "core/visible.h"

@@ -5,11 +5,11 @@
 #include <utility>
 #include <vector>
 
-#include "app/loop/coupling.h"
+#include "app/coupling/coupling.h"
+#include "app/job/scene_settings.h"
 #include "app/loop/glare_filter.h"
 #include "app/loop/grain_cost.h"
 #include "app/loop/picture_coder.h"
-#include "app/loop/scene_settings.h"
 #include "app/loop/statistics_recorder.h"
 #include "encoder/latitude.h"
 #include "parallel/loops.h"

@@ -2,9 +2,9 @@
 // The loop of a chunk: each frame from the scene to the stream.
 #include <functional>
 
+#include "app/job/render_job.h"
 #include "app/loop/kept_frames.h"
 #include "app/loop/observer.h"
-#include "app/loop/render_job.h"
 #include "app/loop/run_statistics.h"
 #include "app/options/film.h"
 #include "app/system/interrupt.h"

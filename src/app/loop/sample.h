@@ -6,10 +6,10 @@
 #include <optional>
 #include <vector>
 
+#include "app/job/render_job.h"
+#include "app/job/shots.h"
 #include "app/loop/observer.h"
-#include "app/loop/render_job.h"
 #include "app/loop/run_statistics.h"
-#include "app/loop/shots.h"
 #include "app/options/film.h"
 #include "app/system/interrupt.h"
 #include "app/system/progress.h"

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "app/files/chunk_file.h"
+#include "app/job/render_job.h"
 #include "app/loop/observer.h"
-#include "app/loop/render_job.h"
 #include "app/loop/run_statistics.h"
 #include "image/cryptomatte.h"
 

@@ -10,10 +10,10 @@
 #include <optional>
 #include <utility>
 
-#include "app/loop/forecast.h"
+#include "app/estimate/forecast.h"
 #include "app/loop/pipeline.h"
-#include "app/loop/resume.h"
 #include "app/loop/sink.h"
+#include "app/production/resume.h"
 #include "app/system/interrupt.h"
 #include "app/system/progress.h"
 #include "app/system/terminal.h"

@@ -8,13 +8,13 @@
 #include <thread>
 #include <utility>
 
+#include "app/estimate/forecast.h"
+#include "app/estimate/hire.h"
 #include "app/files/file_io.h"
-#include "app/loop/forecast.h"
-#include "app/loop/hire.h"
-#include "app/loop/resume.h"
 #include "app/loop/sink.h"
 #include "app/options/mistakes.h"
 #include "app/options/output_kind.h"
+#include "app/production/resume.h"
 #include "app/report/report.h"
 #include "app/report/summary.h"
 #include "app/system/image_reader.h"

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "app/files/work_folder.h"
+#include "app/job/render_job.h"
 #include "app/loop/observer.h"
-#include "app/loop/render_job.h"
 #include "app/system/error_collector.h"
 
 namespace render2mpeg::app {

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "app/loop/forecast.h"
-#include "app/loop/render_job.h"
+#include "app/estimate/forecast.h"
+#include "app/job/render_job.h"
 #include "app/loop/run_statistics.h"
 #include "app/options/film.h"
 

@@ -1,4 +1,4 @@
-#include "app/loop/scene_settings.h"
+#include "app/job/scene_settings.h"
 
 #include <fmt/format.h>
 

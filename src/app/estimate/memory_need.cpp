@@ -1,4 +1,4 @@
-#include "app/loop/memory_need.h"
+#include "app/estimate/memory_need.h"
 
 #include <fmt/format.h>
 
@@ -6,8 +6,8 @@
 #include <set>
 #include <string>
 
+#include "app/job/scene_settings.h"
 #include "app/loop/grain_cost.h"
-#include "app/loop/scene_settings.h"
 #include "app/system/memory_limit.h"
 #include "core/error.h"
 #include "encoder/codec.h"

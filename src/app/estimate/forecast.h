@@ -5,8 +5,8 @@
 #include <optional>
 #include <string>
 
-#include "app/loop/memory_need.h"
-#include "app/loop/render_job.h"
+#include "app/estimate/memory_need.h"
+#include "app/job/render_job.h"
 #include "app/loop/sample.h"
 
 namespace render2mpeg::app {

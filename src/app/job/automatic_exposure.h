@@ -1,5 +1,5 @@
 #pragma once
-#include "app/loop/render_job.h"
+#include "app/job/render_job.h"
 
 namespace render2mpeg::app {
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "app/loop/forecast.h"
-#include "app/loop/render_job.h"
+#include "app/estimate/forecast.h"
+#include "app/job/render_job.h"
 #include "app/options/options.h"
 
 namespace render2mpeg::app {

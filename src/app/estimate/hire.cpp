@@ -1,4 +1,4 @@
-#include "app/loop/hire.h"
+#include "app/estimate/hire.h"
 
 #include <fmt/format.h>
 
@@ -10,7 +10,7 @@
 #include <queue>
 #include <utility>
 
-#include "app/loop/chunk_shares.h"
+#include "app/estimate/chunk_shares.h"
 #include "app/system/progress.h"
 #include "core/text.h"
 #include "parallel/loops.h"

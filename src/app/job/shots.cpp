@@ -1,4 +1,4 @@
-#include "app/loop/shots.h"
+#include "app/job/shots.h"
 
 #include <algorithm>
 

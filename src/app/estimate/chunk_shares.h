@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "app/loop/render_job.h"
+#include "app/job/render_job.h"
 #include "app/options/film.h"
 
 namespace render2mpeg::app {

@@ -1,11 +1,11 @@
-#include "app/loop/coupling.h"
+#include "app/coupling/coupling.h"
 
 #include <algorithm>
 #include <cmath>
 #include <memory>
 #include <utility>
 
-#include "app/loop/light_price.h"
+#include "app/coupling/light_price.h"
 #include "core/error.h"
 #include "encoder/latitude.h"
 #include "encoder/prediction.h"

@@ -1,4 +1,4 @@
-#include "app/loop/first_pass.h"
+#include "app/estimate/first_pass.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 // Memory that a film takes, before it is allocated.
 #include <cstdint>
 
-#include "app/loop/render_job.h"
+#include "app/job/render_job.h"
 
 namespace render2mpeg::app {
 

@@ -1,4 +1,4 @@
-#include "app/loop/render_job.h"
+#include "app/job/render_job.h"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 #include <system_error>
 #include <utility>
 
-#include "app/loop/scene_settings.h"
+#include "app/job/scene_settings.h"
 #include "app/options/mistakes.h"
 #include "app/options/usage_error.h"
 #include "app/system/interrupt.h"

@@ -1,4 +1,4 @@
-#include "app/loop/resume.h"
+#include "app/production/resume.h"
 
 #include <fmt/format.h>
 #include <sys/xattr.h>
@@ -9,9 +9,9 @@
 #include <system_error>
 #include <utility>
 
+#include "app/estimate/first_pass.h"
 #include "app/files/file_io.h"
-#include "app/loop/automatic_exposure.h"
-#include "app/loop/first_pass.h"
+#include "app/job/automatic_exposure.h"
 #include "app/loop/kept_frames.h"
 #include "app/system/interrupt.h"
 #include "app/system/terminal.h"

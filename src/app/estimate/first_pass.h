@@ -3,8 +3,8 @@
 #include <utility>
 #include <vector>
 
+#include "app/job/render_job.h"
 #include "app/loop/observer.h"
-#include "app/loop/render_job.h"
 #include "encoder/bit_allocation.h"
 #include "encoder/types.h"
 

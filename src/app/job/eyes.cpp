@@ -1,4 +1,4 @@
-#include "app/loop/eyes.h"
+#include "app/job/eyes.h"
 
 #include <algorithm>
 #include <array>

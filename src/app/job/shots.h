@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "app/loop/render_job.h"
+#include "app/job/render_job.h"
 
 namespace render2mpeg::app {
 

@@ -1,4 +1,4 @@
-#include "app/loop/light_price.h"
+#include "app/coupling/light_price.h"
 
 #include <algorithm>
 #include <cmath>

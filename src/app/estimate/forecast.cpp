@@ -1,12 +1,12 @@
-#include "app/loop/forecast.h"
+#include "app/estimate/forecast.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "app/loop/automatic_exposure.h"
-#include "app/loop/shots.h"
+#include "app/job/automatic_exposure.h"
+#include "app/job/shots.h"
 #include "app/options/output_kind.h"
 #include "app/system/image_reader.h"
 #include "core/numeric.h"

@@ -10,7 +10,7 @@
 #include "app/files/light_file.h"
 #include "app/files/publish.h"
 #include "app/files/work_folder.h"
-#include "app/loop/render_job.h"
+#include "app/job/render_job.h"
 #include "app/loop/run_statistics.h"
 #include "app/options/film.h"
 #include "app/options/options.h"

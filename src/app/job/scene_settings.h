@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "app/loop/render_job.h"
+#include "app/job/render_job.h"
 #include "perceptual/display.h"
 #include "renderer/renderer.h"
 #include "scene/model/load_options.h"

@@ -6,9 +6,9 @@
 #include <optional>
 #include <vector>
 
+#include "app/coupling/coupling.h"
 #include "app/files/light_file.h"
-#include "app/loop/coupling.h"
-#include "app/loop/eyes.h"
+#include "app/job/eyes.h"
 #include "app/options/film.h"
 #include "app/options/options.h"
 #include "app/options/output_kind.h"

@@ -1,11 +1,11 @@
-#include "app/loop/chunk_shares.h"
+#include "app/estimate/chunk_shares.h"
 
 #include <algorithm>
 #include <memory>
 #include <numeric>
 
+#include "app/job/shots.h"
 #include "app/loop/sample.h"
-#include "app/loop/shots.h"
 #include "core/error.h"
 
 namespace render2mpeg::app {

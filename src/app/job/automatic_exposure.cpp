@@ -1,4 +1,4 @@
-#include "app/loop/automatic_exposure.h"
+#include "app/job/automatic_exposure.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "app/loop/eyes.h"
+#include "app/job/eyes.h"
 #include "core/color.h"
 #include "core/numeric.h"
 #include "perceptual/display.h"
