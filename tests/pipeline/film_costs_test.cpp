@@ -64,7 +64,7 @@ TEST(FilmCosts, OfEffortsKeepWhatIsAskedForByHand) {
     EXPECT_EQ(asked.rendering.samples, 4);
 
     film.tolerance = {};
-    options.tolerance = "fixed=2%";
+    options.tolerance = app::fixed_tolerance(0.02f);
     EXPECT_FLOAT_EQ(app::at_effort(film, low, options).tolerance.relative, 0.02f);
     EXPECT_FLOAT_EQ(app::at_effort(film, low, {}).tolerance.relative, low.fixed);
 }
