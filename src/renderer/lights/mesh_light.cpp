@@ -89,8 +89,13 @@ glm::vec3 radiance_of(const PosedScene& posed_scene, const scene::Triangle& t, s
     return posed_scene.mean_emission({object, cell.primitive, middle.x, middle.y}, footprint);
 }
 
-Emitter emitter_of(const PosedScene& posed_scene, const scene::Snapshot& snapshot, std::uint32_t object,
-                   int cells_per_edge) {
+/// Cells of an edge, where so many textured triangles are cut.
+int cells_per_edge(std::size_t textured) {
+    const double per_triangle = core::divide_or(static_cast<double>(most_cells), static_cast<double>(textured), 1.0);
+    return std::clamp(static_cast<int>(std::sqrt(per_triangle)), 1, finest);
+}
+
+Emitter emitter_of(const PosedScene& posed_scene, const scene::Snapshot& snapshot, std::uint32_t object, int per_edge) {
     const scene::Animation& film = *snapshot.animation;
     const scene::Object& o = film.objects[object];
     const scene::Material& material = film.materials[static_cast<std::size_t>(o.material)];
@@ -105,14 +110,14 @@ Emitter emitter_of(const PosedScene& posed_scene, const scene::Snapshot& snapsho
             whole.area = emitting_area(snapshot, object, p);
             whole.radiance = posed_scene.mean_emission(object, p);
             if (!(whole.power() > 0.0) || !std::isfinite(whole.power())) continue;
-            if (!material.emission_texture.present() || cells_per_edge == 1 || !snapshot.objects[object].present) {
+            if (!material.emission_texture.present() || per_edge == 1 || !snapshot.objects[object].present) {
                 emitter.cells.push_back(whole);
                 continue;
             }
             // Give every cell its own mean, then the whole its exact power.
             const scene::Triangle t = scene::triangle_of(snapshot, object, p);
             const std::size_t first = emitter.cells.size();
-            cut(whole, cells_per_edge, emitter.cells);
+            cut(whole, per_edge, emitter.cells);
             double power = 0;
             for (std::size_t c = first; c < emitter.cells.size(); ++c) {
                 emitter.cells[c].radiance = radiance_of(posed_scene, t, object, emitter.cells[c]);
@@ -234,27 +239,25 @@ class MeshLight final : public Light {
 ShiningSurface::ShiningSurface(const PosedScene& posed_scene, std::uint32_t object)
     : posed_scene_(&posed_scene), object_(object) {
     const scene::Animation& film = posed_scene.animation();
-    const scene::Object& what = film.objects[object];
-    const bool both = film.materials[static_cast<std::size_t>(what.material)].double_sided;
-    const auto triangles = film.meshes[static_cast<std::size_t>(what.mesh)].triangles.size();
+    const auto triangles = film.meshes[static_cast<std::size_t>(film.objects[object].mesh)].triangles.size();
     glm::dvec3 sum(0);
     glm::dmat3 squares(0);
-    for (std::uint32_t p = 0; p < triangles; ++p) {
-        const scene::Triangle t = scene::triangle_of(posed_scene.posed(), object, p);
-        const float luminance = core::luminance(posed_scene.mean_emission(object, p));
-        const double light = 0.5 * static_cast<double>(glm::length(glm::cross(t.b - t.a, t.c - t.a)) * luminance);
-        if (!(light > 0.0) || !std::isfinite(light)) continue;
-        for (const bool front : {true, false}) {
-            if (!front && !both) continue;
-            of_.push_back({p, front, luminance});
-            sides_.add(light);
-            // Second moments of a triangle [polyhedral mass properties]: (s s' + sum of v v') / 12 of its corners v.
-            const std::array<glm::dvec3, 3> corners{t.a, t.b, t.c};
-            const glm::dvec3 s = corners[0] + corners[1] + corners[2];
-            sum += light / 3.0 * s;
-            squares += light / 12.0 * glm::outerProduct(s, s);
-            for (const glm::dvec3& v : corners) squares += light / 12.0 * glm::outerProduct(v, v);
-        }
+    for (const Cell& cell : emitter_of(posed_scene, posed_scene.posed(), object, cells_per_edge(triangles)).cells) {
+        const double light = cell.power();
+        const scene::Triangle t = scene::triangle_of(posed_scene.posed(), object, cell.primitive);
+        cells_.push_back(
+            {cell.primitive, cell.front, cell.corner, cell.edge_u, cell.edge_v, core::luminance(cell.radiance)});
+        light_.add(light);
+        // Second moments of a triangle [polyhedral mass properties]: (s s' + sum of v v') / 12 of its corners v.
+        const auto corner = [&](glm::vec2 edge) {
+            const glm::vec2 place = cell.corner + edge;
+            return glm::dvec3(place_on(t, place.x, place.y));
+        };
+        const std::array<glm::dvec3, 3> corners{corner({0, 0}), corner(cell.edge_u), corner(cell.edge_v)};
+        const glm::dvec3 s = corners[0] + corners[1] + corners[2];
+        sum += light / 3.0 * s;
+        squares += light / 12.0 * glm::outerProduct(s, s);
+        for (const glm::dvec3& v : corners) squares += light / 12.0 * glm::outerProduct(v, v);
     }
     if (!(power() > 0.0)) return;
     const glm::dvec3 mean = sum / power();
@@ -262,16 +265,17 @@ ShiningSurface::ShiningSurface(const PosedScene& posed_scene, std::uint32_t obje
 }
 
 LightPoint ShiningSurface::at(glm::vec2 u) const {
-    const std::size_t k = sides_.pick(static_cast<double>(u.x));
-    const Side& side = of_[k];
-    const glm::vec2 place =
-        core::sample_triangle({static_cast<float>(sides_.within(k, static_cast<double>(u.x))), u.y});
-    const glm::vec3 front = posed_scene_->front_normal(object_, side.primitive);
+    const std::size_t k = light_.pick(static_cast<double>(u.x));
+    const LitCell& cell = cells_[k];
+    const glm::vec2 within =
+        core::sample_triangle({static_cast<float>(light_.within(k, static_cast<double>(u.x))), u.y});
+    const glm::vec2 place = cell.corner + within.x * cell.edge_u + within.y * cell.edge_v;
+    const glm::vec3 front = posed_scene_->front_normal(object_, cell.primitive);
     LightPoint p;
-    p.normal = side.front ? front : -front;
-    const SurfacePoint surface = posed_scene_->surface_at({object_, side.primitive, place.x, place.y}, p.normal);
+    p.normal = cell.front ? front : -front;
+    const SurfacePoint surface = posed_scene_->surface_at({object_, cell.primitive, place.x, place.y}, p.normal);
     p.position = offset_origin(surface, p.normal);
-    p.intensity = surface.unlit ? glm::vec3(0) : surface.emission * (static_cast<float>(power()) / side.luminance);
+    p.intensity = surface.unlit ? glm::vec3(0) : surface.emission * (static_cast<float>(power()) / cell.luminance);
     p.object = object_;
     return p;
 }
@@ -294,13 +298,11 @@ std::vector<EmitterPoint> place_emitters(const PosedScene& posed_scene, const sc
     for (const std::uint32_t i : objects)
         if (film.materials[static_cast<std::size_t>(film.objects[i].material)].emission_texture.present())
             textured += film.meshes[static_cast<std::size_t>(film.objects[i].mesh)].triangles.size();
-    const double per_triangle = core::divide_or(static_cast<double>(most_cells), static_cast<double>(textured), 1.0);
-    const int cells_per_edge = std::clamp(static_cast<int>(std::sqrt(per_triangle)), 1, finest);
+    const int per_edge = cells_per_edge(textured);
 
     std::vector<Emitter> emitters(objects.size());
-    parallel::for_each(objects.size(), [&](std::size_t i) {
-        emitters[i] = emitter_of(posed_scene, snapshot, objects[i], cells_per_edge);
-    });
+    parallel::for_each(objects.size(),
+                       [&](std::size_t i) { emitters[i] = emitter_of(posed_scene, snapshot, objects[i], per_edge); });
     double power = 0;
     for (const Emitter& emitter : emitters) power += emitter.power;
     std::vector<EmitterPoint> points;

@@ -16,7 +16,7 @@ class ShiningSurface {
     ShiningSurface(const PosedScene& posed_scene, std::uint32_t object);
 
     /// Area times mean luminance, both sides; scene units squared.
-    double power() const { return sides_.total(); }
+    double power() const { return light_.total(); }
 
     /// Covariance of its places, weighted by their light; world.
     const glm::mat3& covariance() const { return covariance_; }
@@ -26,16 +26,18 @@ class ShiningSurface {
     LightPoint at(glm::vec2 u) const;
 
   private:
-    struct Side {
+    /// A piece of one side of a triangle, as finely as its texture is cut for light points.
+    struct LitCell {
         std::uint32_t primitive = 0;
         bool front = true;
-        float luminance = 0;  ///< mean
+        glm::vec2 corner{0}, edge_u{0}, edge_v{0};  ///< in barycentrics of the triangle
+        float luminance = 0;                        ///< mean
     };
 
     const PosedScene* posed_scene_;
     std::uint32_t object_;
-    std::vector<Side> of_;
-    DiscreteDistribution sides_;  ///< by area times luminance
+    std::vector<LitCell> cells_;
+    DiscreteDistribution light_;  ///< by area times luminance
     glm::mat3 covariance_{0};
 };
 
