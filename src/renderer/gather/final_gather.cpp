@@ -28,8 +28,8 @@ namespace {
 
 static_assert(pilot_rays == 2 * batch_rays);
 
-/// Rays that are traced in one go before what they ask is learnt, and of one bundle. chosen: memory of some 60 MB.
-constexpr std::size_t rays_at_once = std::size_t{1} << 19;
+/// Rays that are traced in one go before what they ask is learnt, and of one bundle. chosen: memory of some 100 MB.
+constexpr std::size_t rays_at_once = std::size_t{1} << 17;
 constexpr std::uint32_t bundle_rays = 256;
 
 /// Rays of one task, and pools that one task looks at.
