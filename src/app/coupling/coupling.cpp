@@ -111,6 +111,8 @@ void Coupling::judge(const encoder::CodedPicture& coded) {
         is_judged_ = true;
         requantised_.reset();
     }
+    // A newer one that was taken for coded stays.
+    if (coded.plan.number < reference_number_) return;
     reference_ = coded.reconstruction.y;
     reference_number_ = coded.plan.number;
 }
@@ -131,7 +133,7 @@ void Coupling::assume_coded() {
         facts.prediction = core::Plane<std::uint8_t>(prediction.width(), prediction.height());
         for (std::size_t i = 0; i < prediction.size(); ++i)
             facts.prediction.values()[i] =
-                static_cast<std::uint8_t>(std::lround(std::max(prediction.values()[i], 0.0f)));
+                static_cast<std::uint8_t>(std::lround(std::clamp(prediction.values()[i], 0.0f, 255.0f)));
         for (int y = 0; y < blocks.predicted.height(); ++y)
             for (int x = 0; x < blocks.predicted.width(); ++x)
                 if (blocks.predicted.at(x, y) == 0) facts.intra.at(x / 2, y / 2) = 1;
