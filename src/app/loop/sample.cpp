@@ -57,7 +57,7 @@ FrameCost later_of(std::span<const FrameEntry> frames, const std::vector<std::in
     return all.value();
 }
 
-/// What a window cost whose frames these are.
+/// Cost of a window whose frames these are.
 WindowCost cost_of(const Chunk& window, std::span<const FrameEntry> frames, double first, double cpu,
                    std::vector<std::int64_t> cuts) {
     WindowCost cost{{first, static_cast<double>(frames.front().bytes)}, {}, std::ssize(frames), cpu};
@@ -166,7 +166,8 @@ std::vector<WindowCost> small_costs(const RenderJob& film, const std::vector<Chu
         progress.advance();
         return !InterruptGuard::requested();
     });
-    return found ? found->windows : std::vector<WindowCost>();
+    // A signal ends it between two windows, too.
+    return found && found->windows.size() == stretches.size() ? found->windows : std::vector<WindowCost>();
 }
 
 std::vector<double> prices_of(const RenderJob& film, std::int64_t frames, renderer::Renderer& renderer) {

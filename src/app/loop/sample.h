@@ -24,7 +24,7 @@ struct FrameCost {
     double seconds = 0, bytes = 0;
 };
 
-/// What a window's first frame, with a chunk's start, and its later ones cost.
+/// Costs of a window's first frame, with a chunk's start, and of its later ones.
 struct WindowCost {
     FrameCost first, later;
     std::int64_t frames = 0;
