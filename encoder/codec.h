@@ -56,6 +56,10 @@ struct CodecFacts {
     constexpr bool has_more_than_8_bits() const {
         return ffmpeg.pixels.ends_with("10") || ffmpeg.pixels.ends_with("12");
     }
+    /// Its coder takes luma before rounding: of more than 8 bits, and all of 4:4:4, GIF among them.
+    constexpr bool takes_unrounded() const {
+        return has_more_than_8_bits() || ffmpeg.pixels.find("444") != std::string_view::npos;
+    }
     /// Its films can have alpha.
     constexpr bool has_alpha() const { return ffmpeg.pixels.starts_with("yuva"); }
     constexpr std::string_view usual_ending() const { return endings.substr(0, endings.find(' ')); }

@@ -177,8 +177,11 @@ core::Radiance unmultiplied(const core::Radiance& radiance, const core::Mattes& 
     core::Radiance whole;
     whole.frame = radiance.frame;
     whole.combined = radiance.combined;
-    for (std::size_t i = 0; i < whole.combined.size(); ++i)
-        whole.combined.values()[i] /= std::max(mattes.alpha(i), 1.0f / 255);
+    for (std::size_t i = 0; i < whole.combined.size(); ++i) {
+        const float alpha = mattes.alpha(i);
+        glm::vec3& light = whole.combined.values()[i];
+        light = alpha > 0 ? light / std::max(alpha, 1.0f / 255) : glm::vec3(0);
+    }
     return whole;
 }
 

@@ -14,12 +14,21 @@ struct Overhead {
     double share = 0;    ///< of the pictures' bytes
 };
 
+/// Streams without a container.
+bool is_bare(const std::string& ending) {
+    return ending == ".m2v" || ending == ".gif";
+}
+/// Containers with a table of their pictures.
+bool has_table(const std::string& ending) {
+    return ending == ".mkv" || ending == ".webm" || ending == ".mp4" || ending == ".mov";
+}
+
 /// chosen: somewhat more than measured (docs/measurements.md#rates), and the share that headers have of full packs and
 /// packets [H222]. A disc has two sectors of navigation more for each of its units, of some 12 pictures.
 Overhead overhead_of(const std::string& ending, bool disc) {
-    if (ending == ".m2v") return {16, 0, 0};
+    if (is_bare(ending)) return {16, 0, 0};
     if (ending == ".ts") return {800, 290, 0.024};
-    if (ending == ".mkv" || ending == ".mp4" || ending == ".mov") return {1000, 24, 0.004};
+    if (has_table(ending)) return {1000, 24, 0.004};
     return {2048, disc ? 400.0 : 32.0, 0.018};
 }
 
@@ -43,9 +52,9 @@ double likely_file(double bytes, double sound, std::int64_t pictures, const std:
     const auto count = static_cast<double>(pictures);
     const auto as = [&](const Overhead& o) { return o.file + o.picture * count + (bytes + sound) * (1 + o.share); };
     // fit: docs/measurements.md#rates
-    if (ending == ".m2v") return as({16, 0, 0});
+    if (is_bare(ending)) return as({16, 0, 0});
     if (ending == ".ts") return as({800, 290, 0.024});
-    if (ending == ".mkv" || ending == ".mp4" || ending == ".mov") return as({785, 13, 0.001});
+    if (has_table(ending)) return as({785, 13, 0.001});
     // Each stream fills packs of its own [H222, 2.5], the last of several by half.
     constexpr double pack = 2048, headers = 1.018;
     const auto packs = [](double stream) {

@@ -16,7 +16,7 @@ namespace render2mpeg::av {
 /// whole picture. Where films have alpha, each picture stands alone, and pixels of less than a half are open.
 class GifCoder final : public encoder::Coder {
   public:
-    /// Those that check() lets pass.
+    /// Settings that av::check lets pass.
     explicit GifCoder(const encoder::Settings& settings);
 
     encoder::PicturePlan plan(std::int64_t number, const encoder::PictureFacts& facts, bool first_of_chunk) override;

@@ -9,7 +9,7 @@ namespace render2mpeg::av {
 
 using GifBytes = std::vector<std::uint8_t>;
 
-/// What begins a film that is shown again and again: header, screen, Netscape's extension. [GIF89a, 17, 18]
+/// Beginning of a film that is shown again and again: header, screen, Netscape's extension. [GIF89a, 17, 18]
 GifBytes gif_header(int width, int height);
 
 /// A picture, or the part of one that changes.
@@ -24,7 +24,7 @@ struct GifImage {
 /// With its own palette. [GIF89a, 20 to 23]
 GifBytes gif_image(const GifImage& image);
 
-/// What ends a film. [GIF89a, 27]
+/// End of a film. [GIF89a, 27]
 inline constexpr std::uint8_t gif_trailer = 0x3b;
 
 }  // namespace render2mpeg::av

@@ -1,6 +1,7 @@
 #include "encoder/av/gif_palette.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -18,12 +19,12 @@ constexpr Rgb weights{2, 4, 3};
 
 /// Pixels of about one colour.
 struct Bin {
-    Rgb sum{};
+    std::array<double, 3> sum{};  ///< float would lose what millions of pixels add
     double count = 0;
 
     Rgb mean() const {
-        const auto n = static_cast<float>(count);
-        return {sum[0] / n, sum[1] / n, sum[2] / n};
+        const auto of = [&](std::size_t c) { return static_cast<float>(sum[c] / count); };
+        return {of(0), of(1), of(2)};
     }
 };
 
@@ -44,7 +45,7 @@ std::vector<Bin> bins_of(std::span<const Rgb> pixels) {
         bins.clear();
         for (std::size_t i = 0; i < cells.size(); ++i) {
             if (i == 0 || cells[i].first != cells[i - 1].first) bins.emplace_back();
-            for (std::size_t c = 0; c < 3; ++c) bins.back().sum[c] += pixels[cells[i].second][c];
+            for (std::size_t c = 0; c < 3; ++c) bins.back().sum[c] += static_cast<double>(pixels[cells[i].second][c]);
             bins.back().count += 1;
         }
     }

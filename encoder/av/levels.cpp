@@ -117,8 +117,12 @@ const Level& level_of(const encoder::Settings& s) {
 
 }  // namespace
 
+bool has_levels(encoder::Codec codec) {
+    return !levels_of(codec).empty();
+}
+
 int level_for(const encoder::Settings& settings) {
-    return levels_of(settings.codec).empty() ? 0 : level_of(settings).tenths;
+    return has_levels(settings.codec) ? level_of(settings).tenths : 0;
 }
 
 int references_for(const encoder::Settings& settings) {

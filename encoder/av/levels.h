@@ -17,6 +17,9 @@ struct Level {
     std::int64_t buffer;   ///< luma samples of all decoded pictures that are kept; 0: six of the largest, or eight
 };
 
+/// Whether a codec's levels are known here.
+bool has_levels(encoder::Codec codec);
+
 /// The level of these settings: the asked one, else the lowest that holds size, pictures per second and bit rate, else
 /// the highest. Throws core::Error, in one line, where the asked one is none or holds less. 0 for codecs whose levels
 /// are not ours to choose.

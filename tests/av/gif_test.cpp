@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -67,7 +68,7 @@ TEST(Gif, DecodesToWhatItsCoderSays) {
         const auto coder = av::make_coder(s);
         CodedPictures pictures = coded(*coder, s, 0, 9, true);
         for (encoder::CodedPicture& more : coded(*coder, s, 10, 15, true)) pictures.push_back(std::move(more));
-        CodedFilm film{s, {}};
+        CodedFilm film{s, {}, 0, {}};
         for (const encoder::CodedPicture& c : pictures)
             film.pictures.push_back({c.bytes, c.plan.number, c.plan.starts_gop});
         std::size_t n = 0;
@@ -163,6 +164,14 @@ TEST(GifPalettes, KeepColoursThatAreFew) {
         const auto found = palette.colors()[palette.nearest(pixel)];
         for (std::size_t c = 0; c < 3; ++c) EXPECT_EQ(static_cast<float>(found[c]), pixel[c]);
     }
+}
+
+TEST(GifPalettes, KeepAColourThatMillionsOfPixelsHave) {
+    // Behind 2^28 sums in float would take each pixel for a multiple of 32.
+    const std::vector<av::Rgb> pixels(2'000'000, av::Rgb{203.4f, 17.8f, 254.6f});
+    const av::GifPalette palette(pixels);
+    ASSERT_EQ(palette.colors().size(), 1u);
+    EXPECT_EQ(palette.colors()[0], (std::array<std::uint8_t, 3>{203, 18, 255}));
 }
 
 TEST(GifPalettes, FindTheNearestOfAll) {

@@ -57,6 +57,15 @@ TEST(Display, DevelopsBlackAndWhiteToTheEndsOfTheRange) {
     }
 }
 
+TEST(Display, ShowsNoLightWhereAlphaIsZero) {
+    core::Mattes mattes{3, 1, {0, 1, 2, 3}, {}};
+    for (const float open : {1.0f, 0.5f, 0.0f}) mattes.parts.push_back({core::no_id, core::no_id, open});
+    const core::Radiance whole = unmultiplied(frame(3, 1, glm::vec3(0.25f)), mattes);
+    EXPECT_EQ(whole.combined.at(0, 0), glm::vec3(0)) << "glare, say";
+    EXPECT_EQ(whole.combined.at(1, 0), glm::vec3(0.5f));
+    EXPECT_EQ(whole.combined.at(2, 0), glm::vec3(0.25f));
+}
+
 TEST(Display, AgreesWithTheRecommendationsForEveryColour) {
     for (const ColorMatrix matrix : {ColorMatrix::bt601, ColorMatrix::bt709}) {
         for (const float exposure : {-3.0f, 0.0f, 2.5f}) {

@@ -98,7 +98,9 @@ class AlphaOfWebm : public Alpha {
             };
             EXPECT_NEAR(code(film, 3), code(png, 3), 8) << name << " at " << x;
             // Colours beside the edge are of nothing that is seen.
-            if (x < 14) EXPECT_NEAR(code(film, 0), code(png, 0), 6) << name << " at " << x;
+            if (x < 14) {
+                EXPECT_NEAR(code(film, 0), code(png, 0), 6) << name << " at " << x;
+            }
         }
     }
 };
@@ -122,6 +124,20 @@ TEST_F(AlphaOfWebm, IsThatOfFramesThatAreEncoded) {
         ASSERT_EQ(outcome.status, 0) << outcome.output;
     }
     for (const char* name : {"r.webm", "s.webm", "t.mkv", "u.mov"}) expect_like_png(name);
+}
+
+TEST_F(Alpha, OfFramesThatAreEncodedIsDroppedWhereAsked) {
+    render("p.%04d.png", "--frames 0:0");
+    for (const auto& [option, open] : {std::pair("", 0), {"--transparent on", 0}, {"--transparent off", 255}}) {
+        const auto made = run(program() + " encode -y --quiet --fps 25 --codec prores4444 " + option + " " +
+                              path(folder_, "p.%04d.png") + " -o " + path(folder_, "k.mov"));
+        ASSERT_EQ(made.status, 0) << made.output;
+        const std::string film =
+            run("ffmpeg -v error -i " + path(folder_, "k.mov") + " -f rawvideo -pix_fmt rgba -").output;
+        ASSERT_EQ(film.size(), 4u * 48 * 16);
+        EXPECT_NEAR(static_cast<unsigned char>(film[4 * (8 * 48 + 40) + 3]), open, 1) << option << " of the sky";
+        EXPECT_NEAR(static_cast<unsigned char>(film[4 * (8 * 48 + 8) + 3]), 255, 1) << option << " of the wall";
+    }
 }
 
 TEST_F(AlphaOfWebm, IsNoneWhereTheFilmHasNone) {

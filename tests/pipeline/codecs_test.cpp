@@ -19,12 +19,16 @@ std::string codec_in(const std::string& file) {
     return outcome.status == 0 ? json::parse(outcome.output).at("codec").get<std::string>() : outcome.output;
 }
 
+std::string usual_ending(const std::string& codec) {
+    return codec == "vp9" ? ".webm" : ".mp4";
+}
+
 /// Whether this machine codes so.
 bool codes(const std::string& codec) {
     const Folder folder;
     write_frames(path(folder, "f.y4m"), 64, 64, "25:1", "", 1);
     return run(program() + " encode " + path(folder, "f.y4m") + " --quiet --codec " + codec + " -o " +
-               path(folder, "f.mp4"))
+               path(folder, "f" + usual_ending(codec)))
                .status == 0;
 }
 
@@ -73,6 +77,23 @@ TEST(Codecs, RefuseInOneLineWhatTheyDoNotHave) {
     const auto disc = run(program() + " render --hold " + plain_film() + " --for dvd-pal --codec h264 " + mpg);
     EXPECT_NE(disc.output.find("--codec h264: --for dvd-pal is MPEG-2's world"), std::string::npos) << disc.output;
     EXPECT_EQ(folder.entries(), 1u) << "nothing was written";
+}
+
+TEST(Codecs, OfGifAreTheSameForAnyThreadsAndHaveTheirFastestRate) {
+    const Folder folder;
+    const auto render = [&](const std::string& name, const std::string& more) {
+        return run(program() + " render --hold " + plain_film() +
+                   " --size 48x32 --frames 0:2 --samples 1 --exposure 0 --quiet -o " + path(folder, name) + more);
+    };
+    for (const char* threads : {"1", "3"})
+        ASSERT_EQ(render(std::string(threads) + ".gif", std::string(" --threads ") + threads).status, 0);
+    EXPECT_EQ(codec_in(path(folder, "1.gif")), "gif");
+    EXPECT_TRUE(contents(folder / "1.gif") == contents(folder / "3.gif"));
+    const auto fast = render("fast.gif", " --fps 60");
+    EXPECT_NE(fast.status, 0);
+    EXPECT_NE(fast.output.find("players show 50 pictures per second at most"), std::string::npos) << fast.output;
+    EXPECT_EQ(std::count(fast.output.begin(), fast.output.end(), '\n'), 1) << fast.output;
+    EXPECT_EQ(folder.entries(), 2u) << "nothing was written";
 }
 
 /// What is told of a film, coded with these options.
@@ -165,26 +186,26 @@ class CoupledSlow : public testing::TestWithParam<const char*> {
         return run(program() + " render -y --hold " + plain_film() +
                    " --size 64x64 --gop 25 --frames 0:52 --samples 1 --exposure 0 "
                    "--quiet --codec " +
-                   GetParam() + " -o " + path(folder_, name) + " " + more);
+                   GetParam() + " -o " + film(name) + " " + more);
     }
-    std::string bytes(const std::string& name) const { return contents(folder_ / name); }
+    std::string film(const std::string& name) const { return path(folder_, name + usual_ending(GetParam())); }
     const Folder folder_;
 };
 
 TEST_P(CoupledSlow, FilmsAreTheSameForAnyThreadsAndAfterAKill) {
-    ASSERT_EQ(render("a.mp4", "--threads 1").status, 0);
-    const std::string record = path(folder_, "c.mp4.partial/chunk_00000.json");
-    const auto killed = render("c.mp4", "--threads 3 --chunks-at-once 1 & job=$!; while [ ! -s " + record +
-                                            " ]; do kill -0 $job || exit 99; sleep 0.01; done; kill -KILL $job; wait");
-    const bool is_whole = std::filesystem::exists(folder_ / "c.mp4");
+    ASSERT_EQ(render("a", "--threads 1").status, 0);
+    const std::string record = film("c") + ".partial/chunk_00000.json";
+    const auto killed = render("c", "--threads 3 --chunks-at-once 1 & job=$!; while [ ! -s " + record +
+                                        " ]; do kill -0 $job || exit 99; sleep 0.01; done; kill -KILL $job; wait");
+    const bool is_whole = std::filesystem::exists(film("c"));
     if (!is_whole) {
-        ASSERT_EQ(render("c.mp4", "--resume --threads 2").status, 0);
+        ASSERT_EQ(render("c", "--resume --threads 2").status, 0);
     }
-    EXPECT_TRUE(bytes("a.mp4") == bytes("c.mp4")) << killed.output;
+    EXPECT_TRUE(contents(film("a")) == contents(film("c"))) << killed.output;
     if (is_whole) GTEST_SKIP() << "it was whole before the signal came";
 }
 
-INSTANTIATE_TEST_SUITE_P(Codecs, CoupledSlow, testing::Values("h264", "hevc", "av1"));
+INSTANTIATE_TEST_SUITE_P(Codecs, CoupledSlow, testing::Values("h264", "hevc", "av1", "vp9"));
 
 constexpr int browser_frames = 25, white_frame = 10;
 

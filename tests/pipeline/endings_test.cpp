@@ -40,9 +40,14 @@ TEST(Endings, OfFramesMayBeInCapitalsSlow) {
     }
 }
 
-TEST(Endings, InCapitalsHaveTheSameContainer) {
+TEST(Endings, InCapitalsOrOfTheSameKindHaveTheSameContainer) {
     for (const auto& [small, large] : {std::pair("a.ts", "a.TS"), {"a.m2v", "a.M2V"}, {"a.mkv", "a.MKV"}})
         EXPECT_EQ(av::pictures_in_file(1e6, 100, small, false), av::pictures_in_file(1e6, 100, large, false)) << large;
+    for (const auto& [other, same] : {std::pair("a.webm", "a.mkv"), {"a.gif", "a.m2v"}}) {
+        EXPECT_EQ(av::pictures_in_file(1e6, 100, other, false), av::pictures_in_file(1e6, 100, same, false)) << other;
+        EXPECT_EQ(av::file_of_pictures(1e6, 100, other, false), av::file_of_pictures(1e6, 100, same, false)) << other;
+        EXPECT_EQ(av::likely_file(1e6, 0, 100, other, false), av::likely_file(1e6, 0, 100, same, false)) << other;
+    }
     EXPECT_LT(av::pictures_in_file(1e6, 100, "a.TS", false), av::pictures_in_file(1e6, 100, "a.MPG", false));
 }
 
@@ -59,7 +64,8 @@ TEST(Containers, AddWhatWasMeasured) {
                           {"sound.mpg", 24, 14674, 30720, 49156},
                           {"engine.mp4", 24, 2373, 0, 3471},
                           {"brainstem.mp4", 24, 10660, 0, 11758},
-                          {"lamps.mp4", 6, 1550, 0, 2413}}) {
+                          {"lamps.mp4", 6, 1550, 0, 2413},
+                          {"box.gif", 3, 2562, 0, 2563}}) {
         // The last pack of a stream is full or not.
         const double off = std::string_view(f.name).ends_with(".mpg") ? (f.sound > 0 ? 2 : 1) * 1100 : 0.01 * f.file;
         EXPECT_NEAR(av::likely_file(f.pictures, f.sound, f.frames, f.name, false), f.file, off) << f.name;

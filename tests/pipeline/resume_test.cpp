@@ -402,6 +402,7 @@ TEST(ResumeSlow, EveryKindOfOutputComesOutAsIfNothingHadHappened) {
             start + "-o " + to + "/f.vob",
             start + "-o " + to + "/f.mkv --codec hevc",
             start + "-o " + to + "/f.mov",
+            start + "-o " + to + "/f.gif",
         };
     };
     scene_in(folder);
@@ -417,7 +418,7 @@ TEST(ResumeSlow, EveryKindOfOutputComesOutAsIfNothingHadHappened) {
         EXPECT_TRUE(contents(entry.path()) == contents(folder / "cut" / name.string())) << name;
         ++files;
     }
-    EXPECT_EQ(files, 1 + 2 + 44 + 1 + 1 + 44 + 44 + 44 + 4u);
+    EXPECT_EQ(files, 1 + 2 + 44 + 1 + 1 + 44 + 44 + 44 + 5u);
     EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder / "cut"), std::filesystem::directory_iterator{}),
               static_cast<std::ptrdiff_t>(files));
 }

@@ -111,7 +111,7 @@ std::unique_ptr<MotionSource> motion_files(const EncodeOptions& options, const F
 Job prepare(const EncodeOptions& options) {
     if (kind_of(options.output) != OutputKind::film)
         throw core::Error("writing", options.output.string(),
-                          "a film is coded: .mpg, .vob, .ts, .m2v, .mkv, .webm, .mp4 or .mov");
+                          "a film is coded: .mpg, .vob, .ts, .m2v, .mkv, .webm, .gif, .mp4 or .mov");
     if (!options.as) check_apart({Files(options.input)}, {Files(options.output), Files(options.stats.value_or(""))});
     Job job;
     // Frames and their motion are often the same files.
@@ -135,7 +135,8 @@ Job prepare(const EncodeOptions& options) {
     std::unique_ptr<MotionPipe> motion_pipe;
     if (has_pipe) motion_pipe = std::make_unique<MotionPipe>(*options.motion);
     const encoder::Codec codec = codec_of(options.coding, options.output);
-    const FilmSignals signals{{}, view, chroma_of(codec, view), encoder::facts_of(codec).has_alpha()};
+    const bool alpha = encoder::facts_of(codec).has_alpha() && options.transparent != "off";
+    const FilmSignals signals{{}, view, chroma_of(codec, view), alpha};
     job.frames = open_frames(options.input, options.exposure, options.frames, signals, shared);
     encoder::Settings& coding = job.film.coding;
     const Preset* preset = preset_of(options.coding);

@@ -54,6 +54,8 @@ constexpr const char* strongest =
 
 std::string by_crf(encoder::Codec codec, bool slow) {
     if (codec == encoder::Codec::av1) return std::string("-preset ") + (slow ? "3" : "8") + " -crf {q}";
+    if (codec == encoder::Codec::vp9)
+        return std::string("-deadline good -cpu-used ") + (slow ? "0" : "2") + " -b:v 0 -crf {q}";
     return std::string("-preset ") + (slow ? "slower -tune psnr" : "medium") +
            " -crf {q} -bsf:v filter_units=remove_types=" + (codec == encoder::Codec::h264 ? "6" : "39");
 }

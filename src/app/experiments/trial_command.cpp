@@ -165,8 +165,8 @@ std::string render_command(const std::vector<std::string>& words, const std::fil
 
 RenderJob prepare_trials(const RenderOptions& render, const TrialOptions& options) {
     RenderJob film = prepare(render);
-    if (encoder::facts_of(film.coding.codec).master)
-        throw UsageError("--codec " + *render.coding.codec +
+    if (const encoder::CodecFacts& codec = encoder::facts_of(film.coding.codec); codec.master)
+        throw UsageError(std::string(codec.name) +
                          ": a master has no quantisers to try; choose another codec, or `render`");
     if (film.is_stereo() && !options.beside)
         throw UsageError("stereo: settings are tried on films for one eye; say --stereo none");

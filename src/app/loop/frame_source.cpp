@@ -139,9 +139,12 @@ class ImageFrames : public FrameSource {
                                           image.pixels.height(), size_.width, size_.height));
         core::Plane<float> alpha = has_alpha_ ? alpha_of(image) : core::Plane<float>();
         core::Plane<glm::vec3> colors = finite_colors(image);
-        // Scene-linear colours are multiplied by alpha, code values are not.
-        for (std::size_t i = 0; image.high_range && i < alpha.size(); ++i)
-            colors.values()[i] /= std::max(alpha.values()[i], 1.0f / 255);
+        // Scene-linear colours are multiplied by alpha, code values are not. Light where alpha is 0 belongs to nothing.
+        for (std::size_t i = 0; image.high_range && i < alpha.size(); ++i) {
+            const float share = alpha.values()[i];
+            glm::vec3& color = colors.values()[i];
+            color = share > 0 ? color / std::max(share, 1.0f / 255) : glm::vec3(0);
+        }
         core::Picture picture;
         if (image.high_range) {
             core::Radiance radiance;

@@ -16,6 +16,7 @@
 #include "core/text.h"
 #include "encoder/av/av.h"
 #include "encoder/av/coders.h"
+#include "encoder/av/levels.h"
 #include "encoder/capabilities.h"
 #include "encoder/codec.h"
 #include "perceptual/display.h"
@@ -371,9 +372,9 @@ encoder::Settings coding_settings(const CodingOptions& options, const Shape& sha
     coding.effort = options.encoder == "fast" ? encoder::Effort::fast : encoder::Effort::quality;
     if (options.level) {
         coding.level = *options.level;
-        if (coding.codec == encoder::Codec::mpeg2)
-            throw UsageError(fmt::format("--level {:.1f}: MPEG-2's follows from size and rate; choose --codec h264",
-                                         0.1 * *options.level));
+        if (!av::has_levels(coding.codec))
+            throw UsageError(fmt::format("--level {:.1f}: {}'s follows from size and rate; choose --codec h264",
+                                         0.1 * *options.level, encoder::facts_of(coding.codec).name));
     }
     coding.pixel_aspect = shape.pixel_aspect;
     coding.aspect_ratio_code = shape.aspect_ratio_code;

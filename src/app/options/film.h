@@ -92,8 +92,8 @@ struct Film {
 /// Null without --for.
 const Preset* preset_of(const CodingOptions& options);
 
-/// Codec by option, else by ending: H.264 for .mp4, .mov and .mkv, VP9 for .webm, else MPEG-2. Throws UsageError where
-/// a preset does not have it.
+/// Codec by option, else by ending: H.264 for .mp4, .mov and .mkv, VP9 for .webm, GIF for .gif, else MPEG-2. Throws
+/// UsageError where a preset does not have it.
 encoder::Codec codec_of(const CodingOptions& options, const std::filesystem::path& output);
 
 /// Throws UsageError where a film cannot be coded with these settings, or not here (encoder/av/coders.h).

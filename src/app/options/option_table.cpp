@@ -179,6 +179,8 @@ Rows picture_rows(CommandLine& line) {
          "alpha, other films black there "
          "(default: the animation file's or the .blend's, or off)",
          Words{"on|off"}},
+        {"--transparent@encode", picture, &line.encode.transparent,
+         "Whether .webm, .gif and ProRes 4444 keep the frames' alpha (default: on)", Words{"on|off"}},
         {"--motion", "Motion", &line.encode.motion,
          "Numbered OpenEXR files with the frames' exact motion; or a motion stream, which other programs write beside "
          "their pictures: fd:N, an open descriptor, or PIPE.motion",

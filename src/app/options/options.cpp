@@ -98,8 +98,8 @@ const std::string trial_options = "--threads --isa --json@trial --report@trial -
 
 const std::vector<CommandRow> commands{
     {"render", "Render a film",
-     "The ending of OUT chooses what is written: .mpg and .vob (MPEG-2 program streams), .ts, .m2v, .mkv, .webm, .mp4, "
-     ".mov; .y4m; or numbered images, e.g. frames.%04d.exr or frames.%04d.png.\n"
+     "The ending of OUT chooses what is written: .mpg and .vob (MPEG-2 program streams), .ts, .m2v, .mkv, .webm, .gif, "
+     ".mp4, .mov; .y4m; or numbered images, e.g. frames.%04d.exr or frames.%04d.png.\n"
      "Example: render2mpeg render animations/cornell -o cornell.mpg --quantiser 6",
      scene_options + "--output@render --as --preview --effort " + film_options + sound_options + product_options +
          "--resume --dry-run --within --overwrite --quiet --verbose --progress"},
@@ -107,7 +107,8 @@ const std::vector<CommandRow> commands{
      "Motion: OpenEXR files with the number of their frame, as `render --aov` writes them (docs/coding.md).\n"
      "Example: render2mpeg encode shot.%04d.exr -o shot.mpg --motion shot.%04d.exr --exposure 0.5",
      "FRAMES --output@encode --as@encode --projection@encode --stereo@encode --fps@encode --frames@encode "
-     "--display-aspect --pixel-aspect --exposure@encode --view@encode --grain@encode --peak@encode --motion "
+     "--display-aspect --pixel-aspect --exposure@encode --view@encode --grain@encode --peak@encode "
+     "--transparent@encode --motion "
      "--motion-convention " +
          coding_options + rate_options + group_options + sound_options +
          "--threads --stats --overwrite --quiet --progress"},

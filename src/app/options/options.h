@@ -148,6 +148,7 @@ struct RenderOptions : FilmOptions {
 
 struct EncodeOptions : FilmOptions {
     std::optional<std::string> projection, stereo;  ///< of the frames
+    std::optional<std::string> transparent;         ///< none: as the codec can
     std::optional<std::filesystem::path> motion;
     std::string motion_convention = "blender";
     std::optional<float> exposure;

@@ -47,7 +47,7 @@ OutputKind kind_of(const std::filesystem::path& output) {
         throw UsageError("writing", output.string(), instead);
     throw UsageError(
         "writing", output.string(),
-        "the ending chooses what is written: .mpg, .vob, .ts, .m2v, .mkv, .webm, .mp4, .mov, .y4m, or images such as "
+        "the ending chooses what is written: .mpg, .vob, .ts, .m2v, .mkv, .webm, .gif, .mp4, .mov, .y4m, or images such as "
         "frames.%04d.exr or .png");
 }
 

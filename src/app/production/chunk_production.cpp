@@ -232,7 +232,7 @@ std::optional<KeptFrames> ChunkProduction::kept_of(const Chunk& chunk) const {
     of.height = film_.format.height;
     of.needs_pictures = film_.kind == OutputKind::film || film_.kind == OutputKind::y4m;
     const encoder::CodecFacts& codec = encoder::facts_of(film_.coding.codec);
-    of.unrounded = film_.kind == OutputKind::film && codec.has_more_than_8_bits();
+    of.unrounded = film_.kind == OutputKind::film && codec.takes_unrounded();
     of.full_chroma = film_.kind == OutputKind::film && (codec.master || film_.view.is_hdr());
     of.alpha = film_.coding.alpha;
     of.products = [this](std::int64_t n) { return images_of(film_, options_, {n, n}); };
