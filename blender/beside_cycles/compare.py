@@ -94,7 +94,7 @@ PANORAMAS = {"equirectangular": (0, 0, 0, 0), "vr180": (0.25, 0, 0.25, 0)}  # sh
 
 
 def view_of(film):
-    """What a film's container says of its pictures: (options that have `encode` say the same, size, weights of its rows)."""
+    """Words of a film's container about its pictures: (options that have `encode` say the same, size, weights of its rows)."""
     words = [PROGRAM, "info", "--json", "--summary", str(film)]
     said = json.loads(subprocess.run(words, stdout=subprocess.PIPE, check=True).stdout)
     shown, packing = said["panorama"], said["stereo"]

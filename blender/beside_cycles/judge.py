@@ -49,7 +49,7 @@ def ssim(a, b):
 
 
 def weights_of_rows(height, panorama):
-    """What a pixel of each row counts, 1 in the mean: in panoramas, of which so much is left off at each side, its solid angle."""
+    """Weight of a pixel of each row, 1 in the mean: in panoramas, of which so much is left off at each side, its solid angle."""
     if not panorama:
         return np.ones(height)
     _, top, _, bottom = panorama

@@ -25,7 +25,7 @@ class Given:
 def views_of(render):
     """Names of what Blender shows; one without a name where that is no stereoscopy."""
     if render.use_multiview and render.views_format == "STEREO_3D":
-        return [view.name for view in render.views if view.use]
+        return [view.name for view in render.views if view.use and view.name in ("left", "right")]
     return [""]
 
 
@@ -65,6 +65,8 @@ class Render2mpegEngine(LiveView, bpy.types.RenderEngine):
         if depsgraph.view_layer.name != scene.view_layers[0].name:
             self.report({"WARNING"}, f"{depsgraph.view_layer.name}: the first view layer alone is rendered")
             return
+        if scene.render.use_multiview and scene.render.views_format != "STEREO_3D":
+            self.report({"WARNING"}, "Multi-View: one view alone is rendered; Stereo 3D has both eyes")
         try:
             if self.is_animation:
                 self.answer(scene, depsgraph.view_layer)

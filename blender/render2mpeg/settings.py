@@ -31,9 +31,9 @@ def output_of(scene):
 
 class Render2mpegSettings(bpy.types.PropertyGroup):
     output: bpy.props.StringProperty(name="Film", subtype="FILE_PATH", default="//film.mpg",
-                                     description="The ending chooses the kind: .mp4, .mov and .mkv H.264; .mpg, .vob, .ts, .m2v MPEG-2")
+                                     description="The ending chooses the kind: .mp4, .mov and .mkv H.264; .webm VP9; .gif; .mpg, .vob, .ts, .m2v MPEG-2")
     codec: bpy.props.EnumProperty(name="Codec", items=[
-        ("ENDING", "By the Ending", "H.264 in .mp4, .mov and .mkv, else MPEG-2"),
+        ("ENDING", "By the Ending", "H.264 in .mp4, .mov and .mkv, VP9 in .webm, else MPEG-2"),
         ("mpeg2", "MPEG-2", "DVDs and broadcasts"), ("h264", "H.264", "Plays everywhere"),
         ("hevc", "HEVC", "10 bits"), ("av1", "AV1", "10 bits, smallest")])
     control: bpy.props.EnumProperty(name="Rate", items=[
