@@ -229,6 +229,41 @@ TEST(Colours, OfARenderedFilmAreThoseOfItsStillInABrowserSlow) {
     films.expect_within(2.01);
 }
 
+/// Logs colour and alpha of a film's corner and middle.
+constexpr const char* open_page = R"(<!doctype html><html><body><script>
+(async () => {
+  const video = document.createElement('video');
+  video.muted = true;
+  video.src = 'data:video/webm;base64,' + film;
+  await new Promise((done, fail) => { video.onloadeddata = done; video.onerror = fail; });
+  const pen = document.createElement('canvas').getContext('2d', {willReadFrequently: true});
+  const at = (x, y) => [...pen.getImageData(x, y, 1, 1).data];
+  // On a busy machine a decoder has nothing to show at first.
+  for (let i = 0; i < 200 && at(32, 32)[3] === 0; ++i) {
+    pen.drawImage(video, 0, 0);
+    await new Promise((done) => setTimeout(done, 20));
+  }
+  console.log('FOUND ' + JSON.stringify({corner: at(0, 0), middle: at(32, 32)}) + ' END');
+})();
+</script></body></html>)";
+
+TEST(Colours, OfAnOpenFilmLetABrowsersPageThroughSlow) {
+    if (browser().empty()) GTEST_SKIP() << "no chromium or google-chrome is installed";
+    if (!can_code("vp9")) GTEST_SKIP() << "this FFmpeg has no libvpx";
+    const Folder folder;
+    std::ofstream(folder / "box.json") << R"({"objects": [{"shape": "box"}], "transparent": true})";
+    const auto made = run(program() + " render " + path(folder, "box.json") +
+                          " --size 64x64 --frames 0:1 --quiet -q 2 -o " + path(folder, "box.webm"));
+    ASSERT_EQ(made.status, 0) << made.output;
+    const std::string page = path(folder, "page.html");
+    put_film(page, "film", path(folder, "box.webm"));
+    std::ofstream(page, std::ios::app) << open_page;
+    const json seen = said_by_page(folder, page);
+    EXPECT_EQ(seen.at("corner").at(3), 0);
+    EXPECT_EQ(seen.at("middle").at(3), 255);
+    EXPECT_GT(seen.at("middle").at(1).get<int>(), 40);
+}
+
 /// Largest difference of a lossless film's first picture from a still.
 int farthest(const std::string& film, const std::string& still) {
     const std::string a = codes_of(film), b = codes_of(still);

@@ -12,7 +12,7 @@ namespace {
 const std::string room =
     R"("frames": 2, "exposure": 0, "sky": 1, "objects": [{ "shape": "box", "position": [2, 0, 0] }])";
 
-std::string film(const Folder& folder, const std::string& camera, const std::string& more = "") {
+std::string panorama(const Folder& folder, const std::string& camera, const std::string& more = "") {
     std::ofstream(folder / "film.json") << "{ " << room << more << R"(, "camera": )" << camera << " }";
     return path(folder, "film.json");
 }
@@ -23,7 +23,7 @@ support::Outcome plan(const std::string& words) {
 
 TEST(PanoramaFilm, IsPlannedTwoByOneOrSquareAndSaysWhatItShows) {
     const Folder folder;
-    const std::string plain = film(folder, R"({ "position": [0, 0, 3] })");
+    const std::string plain = panorama(folder, R"({ "position": [0, 0, 3] })");
     const auto all = plan(plain + " --projection equirectangular");
     EXPECT_EQ(all.status, 0) << all.output;
     EXPECT_NE(all.output.find("640x320"), std::string::npos) << all.output;
@@ -41,9 +41,9 @@ TEST(PanoramaFilm, IsPlannedTwoByOneOrSquareAndSaysWhatItShows) {
 
 TEST(PanoramaFilm, OfAnAnimationFileShowsItsWindow) {
     const Folder folder;
-    const auto some = plan(
-        film(folder,
-             R"({ "projection": "equirectangular", "longitudes": [-60, 60], "latitudes": [-30, 30], "near": 0.1 })"));
+    const auto some = plan(panorama(
+        folder,
+        R"({ "projection": "equirectangular", "longitudes": [-60, 60], "latitudes": [-30, 30], "near": 0.1 })"));
     EXPECT_EQ(some.status, 0) << some.output;
     EXPECT_NE(some.output.find("a panorama of 120 by 60 degrees"), std::string::npos) << some.output;
     EXPECT_NE(some.output.find("640x320"), std::string::npos) << some.output;
@@ -51,11 +51,11 @@ TEST(PanoramaFilm, OfAnAnimationFileShowsItsWindow) {
 
 TEST(PanoramaFilm, HasNoLensAndTellsSo) {
     const Folder folder;
-    const std::string blurred = film(folder, R"({ "position": [0, 0, 3], "f_stop": 2, "focus": 3 })");
+    const std::string blurred = panorama(folder, R"({ "position": [0, 0, 3], "f_stop": 2, "focus": 3 })");
     const auto told = plan(blurred + " --projection equirectangular");
     EXPECT_EQ(told.status, 0);
     EXPECT_NE(told.output.find("a panorama has no lens, all of it is sharp"), std::string::npos) << told.output;
-    const std::string parallel = film(folder, R"({ "position": [0, 0, 3], "height": 2 })");
+    const std::string parallel = panorama(folder, R"({ "position": [0, 0, 3], "height": 2 })");
     const auto refused = plan(parallel + " --projection equirectangular");
     EXPECT_EQ(refused.status, 2);
     EXPECT_NE(refused.output.find("parallel rays"), std::string::npos) << refused.output;
@@ -63,10 +63,10 @@ TEST(PanoramaFilm, HasNoLensAndTellsSo) {
 
 TEST(PanoramaFilm, IsMadeWithAllThatMovesAndBlurs) {
     const Folder folder;
-    const std::string turning =
-        film(folder,
-             R"({ "projection": "equirectangular", "keys": [{ "at": 0, "rotate": 0 }, { "at": 0.08, "rotate": 20 }] })",
-             R"(, "shutter": 180, "fog": { "visibility": 50 })");
+    const std::string turning = panorama(
+        folder,
+        R"({ "projection": "equirectangular", "keys": [{ "at": 0, "rotate": 0 }, { "at": 0.08, "rotate": 20 }] })",
+        R"(, "shutter": 180, "fog": { "visibility": 50 })");
     const auto made =
         run(program() + " render " + turning + " --size 64x32 --samples 1 --quiet -o " + path(folder, "film.mpg"));
     EXPECT_EQ(made.status, 0) << made.output;
@@ -75,7 +75,7 @@ TEST(PanoramaFilm, IsMadeWithAllThatMovesAndBlurs) {
 
 TEST(PanoramaFilm, SaysThatItIsOneWhereItsFileCan) {
     const Folder folder;
-    const std::string half = film(folder, R"({ "projection": "vr180" })");
+    const std::string half = panorama(folder, R"({ "projection": "vr180" })");
     const std::string words = " render " + half + " --size 64x64 --samples 1 --frames 0:0 --overwrite -o ";
     ASSERT_EQ(run(program() + words + path(folder, "film.mp4") + " --quiet").status, 0);
     const auto shown = run(program() + " info --summary " + path(folder, "film.mp4"));
@@ -84,7 +84,7 @@ TEST(PanoramaFilm, SaysThatItIsOneWhereItsFileCan) {
     EXPECT_NE(json.output.find("\"panorama\""), std::string::npos);
     const auto told = run(program() + words + path(folder, "film.mpg"));
     EXPECT_EQ(told.status, 0);
-    EXPECT_NE(told.output.find("such files cannot say that they are panoramas; .mp4 and .mkv do"), std::string::npos)
+    EXPECT_NE(told.output.find("such files cannot say that they are panoramas; .mp4, .mkv and .webm do"), std::string::npos)
         << told.output;
 }
 
@@ -106,7 +106,7 @@ std::pair<double, double> quantisers_of(const Folder& folder, const std::string&
 
 TEST(PanoramaFilm, IsCodedMoreCoarselyTowardsItsPoles) {
     const Folder folder;
-    const std::string around = film(folder, R"({ "projection": "equirectangular" })");
+    const std::string around = panorama(folder, R"({ "projection": "equirectangular" })");
     // The mean over latitudes of 1 / sqrt(cos) is 1.67, of its logarithm to base 2 0.5 times 1.
     for (const auto& [words, most] :
          {std::pair<std::string, double>{"--tune psnr --codec h264 -o " + path(folder, "a.mkv"), 6},

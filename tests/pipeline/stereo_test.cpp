@@ -22,8 +22,8 @@ const std::string things =
       { "shape": "sphere", "radius": 0.4, "position": [-0.5, -0.1, 0.2], "material": { "roughness": 0.3 } }],
       "lights": [{ "kind": "point", "position": [2, 3, 2], "intensity": 30 }])";
 
-std::string film(const Folder& folder, const std::string& camera, const std::string& more = "",
-                 const std::string& name = "film.json") {
+std::string two_eyes(const Folder& folder, const std::string& camera, const std::string& more = "",
+                     const std::string& name = "film.json") {
     std::ofstream(folder / name) << "{ " << things << more << R"(, "camera": { "fov": 45, )" << camera << " } }";
     return path(folder, name);
 }
@@ -115,7 +115,7 @@ TEST(StereoFilmSlow, ShowsEachEyeWhatACameraInItsPlaceShows) {
     const std::string eyes = R"(, "stereo": { "interocular_distance": 0.4, "convergence_distance": 3, "convergence": )";
     for (const std::string& convergence : {std::string("parallel"), std::string("off-axis")})
         for (const bool across : {true, false}) {
-            const std::string both = film(folder, at_rest + eyes + '"' + convergence + "\" }");
+            const std::string both = two_eyes(folder, at_rest + eyes + '"' + convergence + "\" }");
             const std::string packing = across ? "side-by-side" : "top-bottom";
             ASSERT_EQ(render(both + " --stereo " + packing + size + path(folder, "both%d.png")).status, 0);
             const std::string codes = codes_of(path(folder, "both0.png"));
@@ -123,10 +123,10 @@ TEST(StereoFilmSlow, ShowsEachEyeWhatACameraInItsPlaceShows) {
             for (const int eye : {0, 1}) {
                 const double aside = eye == 0 ? -0.2 : 0.2,
                              shift = convergence == "parallel" ? 0 : -aside / (6 * std::tan(glm::radians(22.5)));
-                const std::string alone = film(folder,
-                                               R"("position": [)" + std::to_string(aside) + R"(, 0.5, 3], "shift": [)" +
-                                                   std::to_string(shift) + ", 0]",
-                                               "", "alone.json");
+                const std::string alone = two_eyes(folder,
+                                                   R"("position": [)" + std::to_string(aside) +
+                                                       R"(, 0.5, 3], "shift": [)" + std::to_string(shift) + ", 0]",
+                                                   "", "alone.json");
                 ASSERT_EQ(render(alone + size + path(folder, "alone%d.png")).status, 0);
                 const std::string part = across ? part_of(codes, 2 * eye_width, eye * eye_width, 0)
                                                 : part_of(codes, eye_width, 0, eye * eye_height);
@@ -154,7 +154,7 @@ json counts_of(const Folder& folder, const std::string& film, const std::string&
 /// Shadows and bounced light that the left eye has found are the right one's where it sees the same.
 TEST(StereoFilmSlow, LightsForTheSecondEyeWhatTheFirstDoesNotSee) {
     const Folder folder;
-    const std::string words = film(folder, on_the_way);
+    const std::string words = two_eyes(folder, on_the_way);
     const json one = counts_of(folder, words, "none"), both = counts_of(folder, words, "side-by-side");
     const auto more = [&](const char* key) { return both.at(key).get<double>() / one.at(key).get<double>() - 1; };
     EXPECT_NEAR(more("gather_points"), 1, 0.1);
@@ -166,7 +166,7 @@ TEST(StereoFilmSlow, LightsForTheSecondEyeWhatTheFirstDoesNotSee) {
 TEST(StereoFilmSlow, HasTheSameBytesForAnyNumberOfThreads) {
     const Folder folder;
     const std::string words =
-        film(folder, on_the_way, R"(, "frames": 5, "stereo": "side-by-side")") + " --size 64x48 --quantiser 8 -o ";
+        two_eyes(folder, on_the_way, R"(, "frames": 5, "stereo": "side-by-side")") + " --size 64x48 --quantiser 8 -o ";
     const std::string one = path(folder, "one.mkv"), four = path(folder, "four.mkv");
     ASSERT_EQ(render(words + one + " --threads 1").status, 0);
     ASSERT_EQ(render(words + four + " --threads 4").status, 0);
@@ -198,7 +198,8 @@ std::string eyes_in(const std::string& file) {
 
 TEST(StereoFilm, SaysHowItsPicturesHoldBothEyesWhereItCan) {
     const Folder folder;
-    const std::string words = film(folder, at_rest) + " --frames 0:0 --size 64x64 --samples 1 --stereo top-bottom -o ";
+    const std::string words =
+        two_eyes(folder, at_rest) + " --frames 0:0 --size 64x64 --samples 1 --stereo top-bottom -o ";
     for (const char* name : {"film.mp4", "film.mkv"}) {
         EXPECT_EQ(render(words + path(folder, name)).output, "") << name;
         EXPECT_NE(eyes_in(path(folder, name)).find("type=top and bottom"), std::string::npos) << name;
@@ -209,7 +210,7 @@ TEST(StereoFilm, SaysHowItsPicturesHoldBothEyesWhereItCan) {
     EXPECT_NE(eyes_in(stream).find("stereo_mode=top_bottom"), std::string::npos) << eyes_in(stream);
     const auto told = run(program() + " render " + words + path(folder, "film.mpg"));
     EXPECT_EQ(told.status, 0);
-    EXPECT_NE(told.output.find("such files cannot say that they are for two eyes; .mp4 and .mkv do"), std::string::npos)
+    EXPECT_NE(told.output.find("such files cannot say that they are for two eyes; .mp4, .mkv and .webm do"), std::string::npos)
         << told.output;
     const auto beside = run(program() + " render " + words + path(folder, "film.mkv") + " --overwrite --also neutral " +
                             path(folder, "also.mpg"));
@@ -226,7 +227,7 @@ TEST(StereoFilm, RefusesPicturesThatCannotHoldBothEyes) {
         EXPECT_NE(outcome.output.find(why), std::string::npos) << outcome.output;
         EXPECT_EQ(std::ranges::count(outcome.output, '\n'), 1) << outcome.output;
     };
-    const std::string plain = film(folder, at_rest), both = plain + " --stereo side-by-side";
+    const std::string plain = two_eyes(folder, at_rest), both = plain + " --stereo side-by-side";
     refused("plan " + both + " --size 65x64", "65x64 for each eye: take an even width");
     refused("plan " + plain + " --stereo top-bottom --size 64x65", "take an even height");
     refused("plan " + both + " --for dvd-pal -o " + path(folder, "film.mpg"), "are for one eye");
@@ -240,7 +241,8 @@ TEST(StereoFilm, RefusesPicturesThatCannotHoldBothEyes) {
 TEST(StereoFilm, RefusesEyesThatCannotBe) {
     const Folder folder;
     const auto refused = [&](const std::string& eyes, const std::string& why) {
-        const auto outcome = run(program() + " plan --within 0 " + film(folder, at_rest + R"(, "stereo": )" + eyes));
+        const auto outcome =
+            run(program() + " plan --within 0 " + two_eyes(folder, at_rest + R"(, "stereo": )" + eyes));
         EXPECT_EQ(outcome.status, 1) << outcome.output;
         EXPECT_NE(outcome.output.find(why), std::string::npos) << outcome.output;
     };
