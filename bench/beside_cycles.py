@@ -105,7 +105,7 @@ def found_films():
 
 
 def around(blend):
-    made = given.work / f"{blend.stem}-around-{hashlib.sha256(str(blend).encode()).hexdigest()[:12]}.blend"
+    made = given.work / f"{blend.stem}-around-{hashlib.sha256(f"{blend} {blend.stat().st_mtime_ns}".encode()).hexdigest()[:12]}.blend"
     if not made.exists():
         blender("--disable-autoexec", blend, "--python", SCRIPTS / "around.py", "--", made)
     return made

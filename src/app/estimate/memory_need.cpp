@@ -74,11 +74,12 @@ std::uint64_t grained_pixels(const RenderJob& film) {
            static_cast<std::uint64_t>(film.format.height);
 }
 
-/// What a codec holds beside MPEG-2's pictures: its library, and pictures that it looks ahead at.
+/// Memory of a codec beside MPEG-2's pictures: its library, and pictures that it looks ahead at.
 std::uint64_t codec_memory(const RenderJob& film, std::uint64_t pixels) {
     if (film.kind != OutputKind::film) return 0;
     switch (film.coding.codec) {
         case encoder::Codec::h264:
+        case encoder::Codec::h264_lossless:
             return (std::uint64_t{6} << 20) + 60 * pixels;
         case encoder::Codec::hevc:
             return (std::uint64_t{34} << 20) + 410 * pixels;

@@ -14,6 +14,7 @@
 #include "app/experiments/trial_command.h"
 #include "app/files/file_io.h"
 #include "app/system/interrupt.h"
+#include "app/system/progress.h"
 #include "app/system/terminal.h"
 #include "core/numeric.h"
 #include "parallel/loops.h"
@@ -147,8 +148,8 @@ bool Cost::try_effects(double limit) {
         asked_, sample_.effect_frames, limit, is_quiet(),
         [&](const EffectCost& cost, bool is_first) { log((is_first ? effects_heading() : "") + effect_row(cost)); });
     if (sweep_.effects.left > 0 && !InterruptGuard::requested())
-        log(fmt::format("\n{} effects were not left out: {} has no time for them\n", sweep_.effects.left,
-                        options_.render.as_said("--within")));
+        log(fmt::format("\n{} effects were not left out: --within {} has no time for them\n", sweep_.effects.left,
+                        clock_text(options_.within)));
     return !InterruptGuard::requested();
 }
 

@@ -435,7 +435,7 @@ av::Sound sound_of(const CodingOptions& options, const std::optional<std::filesy
     if (none || !av::is_film(output) || (!options.audio && !scenes)) return {};
     if (!av::can_have_sound(output)) {
         if (!options.audio) return {};
-        throw core::Error("--audio: " + output.string() + " has no sound; .mpg, .ts, .mkv and .mp4 have");
+        throw core::Error("--audio: " + output.string() + " has no sound; .mpg, .ts, .mkv, .webm, .mp4 and .mov have");
     }
     av::Sound sound;
     sound.file = options.audio ? std::filesystem::path(*options.audio) : *scenes;

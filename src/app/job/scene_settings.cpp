@@ -220,7 +220,7 @@ void tell_silent(scene::Animation& animation, const RenderOptions& options, cons
     const auto tell = [&](const std::filesystem::path& file, encoder::Codec codec) {
         if (!file.empty() && !says(file, codec))
             animation.notes.push_back(
-                fmt::format("{}: such files cannot say that they are {}; .mp4 and .mkv do", file.string(), what));
+                fmt::format("{}: such files cannot say that they are {}; .mp4, .mkv and .webm do", file.string(), what));
     };
     if (!options.output.empty()) tell(options.output, codec_of(options.coding, options.output));
     for (const auto& [subject, file] : options.side_films)
@@ -273,7 +273,7 @@ void describe_view(const EncodeOptions& options, encoder::Settings& coding) {
     coding.packing = packing_named(options.stereo.value_or("none"));
     const bool tells_eyes = coding.packing == core::FramePacking::none || coding.codec == encoder::Codec::h264;
     if (!options.quiet && (coding.sphere || !tells_eyes) && !av::tells_immersive(options.output))
-        print_line(options.output.string() + ": such files cannot say what frames show; .mp4 and .mkv do");
+        print_line(options.output.string() + ": such files cannot say what frames show; .mp4, .mkv and .webm do");
     if (coding.packing == core::FramePacking::none) return;
     const bool across = coding.packing == core::FramePacking::side_by_side;
     if ((across ? coding.width : coding.height) % 2 != 0)
