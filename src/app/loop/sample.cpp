@@ -154,10 +154,11 @@ std::optional<FrameSample> sample_frames(const Sample& sample, LoopObserver& obs
 std::vector<WindowCost> small_costs(const RenderJob& film, const std::vector<Chunk>& stretches, int length,
                                     std::int64_t frames, bool quiet,
                                     const std::function<std::unique_ptr<renderer::Renderer>(const RenderJob&)>& make) {
-    const Sample sample{resized(film, scale_for(film, small_side)), {middles_of(stretches, length), {}}};
-    const double times = std::pow(area_of(film.size()) / area_of(sample.film.size()), time_power);
-    if (static_cast<double>(length * std::ssize(stretches)) > most_share * times * static_cast<double>(frames))
+    // Time grows about as the sides do.
+    const double scale = scale_for(film, small_side);
+    if (static_cast<double>(length * std::ssize(stretches)) * scale > most_share * static_cast<double>(frames))
         return {};
+    const Sample sample{resized(film, scale), {middles_of(stretches, length), {}}};
     const std::unique_ptr<renderer::Renderer> renderer = make(sample.film);
     Progress progress(sample.windows.frames(), quiet, "sample", Counted::parts_of_step);
     LoopObserver nobody;
