@@ -157,7 +157,8 @@ TEST(StereoFilmSlow, LightsForTheSecondEyeWhatTheFirstDoesNotSee) {
     const std::string words = two_eyes(folder, on_the_way);
     const json one = counts_of(folder, words, "none"), both = counts_of(folder, words, "side-by-side");
     const auto more = [&](const char* key) { return both.at(key).get<double>() / one.at(key).get<double>() - 1; };
-    EXPECT_NEAR(more("gather_points"), 1, 0.1);
+    EXPECT_LT(more("gather_points"), 1.1);
+    EXPECT_GT(more("gather_points"), 0.7) << "the look before the first frame is one eye's";
     EXPECT_LT(more("shadow_rays"), 0.5);
     EXPECT_LT(more("gather_rays"), 0.5);
     EXPECT_GT(more("shadow_rays"), 0.02) << "rims are lit anew";
@@ -210,7 +211,8 @@ TEST(StereoFilm, SaysHowItsPicturesHoldBothEyesWhereItCan) {
     EXPECT_NE(eyes_in(stream).find("stereo_mode=top_bottom"), std::string::npos) << eyes_in(stream);
     const auto told = run(program() + " render " + words + path(folder, "film.mpg"));
     EXPECT_EQ(told.status, 0);
-    EXPECT_NE(told.output.find("such files cannot say that they are for two eyes; .mp4, .mkv and .webm do"), std::string::npos)
+    EXPECT_NE(told.output.find("such files cannot say that they are for two eyes; .mp4, .mkv and .webm do"),
+              std::string::npos)
         << told.output;
     const auto beside = run(program() + " render " + words + path(folder, "film.mkv") + " --overwrite --also neutral " +
                             path(folder, "also.mpg"));
