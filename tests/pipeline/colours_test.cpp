@@ -236,6 +236,8 @@ constexpr const char* open_page = R"(<!doctype html><html><body><script>
   video.muted = true;
   video.src = 'data:video/webm;base64,' + film;
   await new Promise((done, fail) => { video.onloadeddata = done; video.onerror = fail; });
+  video.currentTime = 0.06;
+  await new Promise((done) => { video.onseeked = done; });
   const pen = document.createElement('canvas').getContext('2d', {willReadFrequently: true});
   const at = (x, y) => [...pen.getImageData(x, y, 1, 1).data];
   // On a busy machine a decoder has nothing to show at first.

@@ -111,7 +111,7 @@ TEST(Refusal, NamesTheOptionAndWhatWouldBeRight) {
     refused(start + out + " --tolerance coupled=1e-60", "coupled=K");
     refused(start + out + " --exposure bright", "auto");
     refused(start + out + " --isa mmx", "sse2, sse4.2, avx, avx2, avx512");
-    refused(start + " -o " + (folder / "x.xyz").string(), ".mpg, .vob, .ts, .m2v, .mkv, .webm, .mp4");
+    refused(start + " -o " + (folder / "x.xyz").string(), ".mpg, .vob, .ts, .m2v, .mkv, .webm, .gif, .mp4");
     refused(start + " -o " + (folder / "x.png").string(), "%04d");
     refused(start + out + " --size 4096x2304", "1920");
 }

@@ -84,7 +84,8 @@ TEST(PanoramaFilm, SaysThatItIsOneWhereItsFileCan) {
     EXPECT_NE(json.output.find("\"panorama\""), std::string::npos);
     const auto told = run(program() + words + path(folder, "film.mpg"));
     EXPECT_EQ(told.status, 0);
-    EXPECT_NE(told.output.find("such files cannot say that they are panoramas; .mp4, .mkv and .webm do"), std::string::npos)
+    EXPECT_NE(told.output.find("such files cannot say that they are panoramas; .mp4, .mkv and .webm do"),
+              std::string::npos)
         << told.output;
 }
 
