@@ -156,7 +156,6 @@ Job prepare(const EncodeOptions& options) {
     const FrameRange whole{0, job.film.frame_count() - 1};
     job.film.sound = sound_of(options.coding, std::nullopt, options.output, whole, coding.rate);
     av::check_film(options.output, coding.codec, job.film.sound);
-
     if (motion_pipe) {
         motion_pipe->start(job.frames->size().width, job.frames->size().height);
         job.motion = std::move(motion_pipe);

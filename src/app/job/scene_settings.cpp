@@ -219,8 +219,8 @@ namespace {
 void tell_silent(scene::Animation& animation, const RenderOptions& options, const char* what, auto&& says) {
     const auto tell = [&](const std::filesystem::path& file, encoder::Codec codec) {
         if (!file.empty() && !says(file, codec))
-            animation.notes.push_back(
-                fmt::format("{}: such files cannot say that they are {}; .mp4, .mkv and .webm do", file.string(), what));
+            animation.notes.push_back(fmt::format("{}: such files cannot say that they are {}; .mp4, .mkv and .webm do",
+                                                  file.string(), what));
     };
     if (!options.output.empty()) tell(options.output, codec_of(options.coding, options.output));
     for (const auto& [subject, file] : options.side_films)

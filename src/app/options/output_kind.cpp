@@ -45,10 +45,10 @@ OutputKind kind_of(const std::filesystem::path& output) {
     }
     if (const std::string instead = instead_of(output); !instead.empty())
         throw UsageError("writing", output.string(), instead);
-    throw UsageError(
-        "writing", output.string(),
-        "the ending chooses what is written: .mpg, .vob, .ts, .m2v, .mkv, .webm, .gif, .mp4, .mov, .y4m, or images such as "
-        "frames.%04d.exr or .png");
+    throw UsageError("writing", output.string(),
+                     "the ending chooses what is written: .mpg, .vob, .ts, .m2v, .mkv, .webm, .gif, .mp4, .mov, .y4m, "
+                     "or images such as "
+                     "frames.%04d.exr or .png");
 }
 
 void settle_stream(std::filesystem::path& output, std::optional<std::string>& as) {
