@@ -1,8 +1,10 @@
-# Read by ctest, with `program`, `name`, `launcher`, `costs`, `cpu`, `without`, `spare`, `blender` (and where that is set
+# Read by ctest, with `program`, `name`, `launcher`, `costs`, `cpu`, `without`, `spare`, `by_all`, `blender` (and where that is set
 # `socket` and `served`) and `environment` set: the tests of one program, as they
 # are now. Each suite is one test, in one process: most of what small tests take is the start of a process and of the libraries it opens, and
 # what a suite makes once serves all its tests. Tests whose name, or whose suite's, ends in Slow are one each, and labelled `slow`; a suite
 # whose name ends in TogetherSlow is one again, for the sake of what it makes once.
+# Where RENDER2MPEG_TEST_DRAW is set (scripts/test sets it to the commit), slow tests run in an order drawn by it, and those that begin after
+# RENDER2MPEG_TEST_BUDGET CPU seconds are left out; `costs` lists them and they do not match `kept`.
 if(NOT EXISTS "${program}")
   add_test(${name}_NOT_BUILT ${name}_NOT_BUILT)
   return()
@@ -11,6 +13,9 @@ execute_process(COMMAND "${program}" --gtest_list_tests OUTPUT_VARIABLE listed R
 if(failed)
   message(FATAL_ERROR "${program} does not list its tests: ${failed}")
 endif()
+
+# What every change can break, and no other test finds: bytes that depend on threads, and what is lost by a kill.
+set(kept "AnyThread|AnyNumberOfThreads|SameBytes|AreTheSame|IsTheSame|Kill|Resume|Signal|Interrupted")
 
 # CPU seconds of each test at the last release: the longest begin first, so that none is left alone at the end.
 if(EXISTS "${costs}")
@@ -25,8 +30,12 @@ endif()
 # One test: what it is called, its label, its tests by gtest's filter. It may take `cpu` seconds of a processor, whatever the machine's
 # other work; the clock ends only what waits for ever.
 macro(add_suite shown label filter)
-  add_test("${shown}" "${launcher}" "${shown}" "${cpu}" "${program}" "--gtest_filter=${filter}")
-  set(labels ${label})
+  set(drawn "")
+  if(DEFINED ENV{RENDER2MPEG_TEST_DRAW} AND "${label}" STREQUAL slow AND DEFINED "cost_of_${shown}" AND NOT "${shown}" MATCHES "${kept}")
+    set(drawn --drawn)
+  endif()
+  add_test("${shown}" "${launcher}" ${drawn} "${shown}" "${cpu}" "${program}" "--gtest_filter=${filter}")
+  set(labels ${label} ${by_all})
   if(spare AND "${shown}" MATCHES "${spare}")
     list(APPEND labels spare)
   endif()
@@ -36,8 +45,13 @@ macro(add_suite shown label filter)
     set_tests_properties("${shown}" PROPERTIES FIXTURES_REQUIRED blender RESOURCE_LOCK blender ENVIRONMENT
                          "${environment};RENDER2MPEG_TEST_BLENDER=${socket};RENDER2MPEG_BLENDER=${served}")
   endif()
-  if(DEFINED "cost_of_${shown}")
-    set_tests_properties("${shown}" PROPERTIES COST "${cost_of_${shown}}")
+  if(drawn)
+    string(SHA1 lot "$ENV{RENDER2MPEG_TEST_DRAW}${shown}")
+    string(SUBSTRING "${lot}" 0 6 lot)
+    math(EXPR lot "0x${lot}")
+    set_tests_properties("${shown}" PROPERTIES COST "0.${lot}" SKIP_RETURN_CODE 77)
+  else()
+    set_tests_properties("${shown}" PROPERTIES COST "1${cost_of_${shown}}")  # before all that are drawn, and in their own order
   endif()
   # One test alone: in a suite another's skip would hide failures.
   if("${label}" STREQUAL slow AND NOT "${filter}" MATCHES "[*]$")

@@ -27,10 +27,12 @@ class Piles : public testing::Test {
         }
         std::ofstream(folder_ / "compile_commands.json") << "[" << commands << "]";
     }
-    std::string write(const std::vector<std::string>& changed) const {
+    /// `changed`: names behind the number of lines that differ.
+    std::string write(const std::vector<std::string>& changed, int most = 9) const {
         std::string names;
         for (const std::string& name : changed) names += name + "\\n";
-        return support::run("cd " + folder_.path().string() + " && printf '" + names + "' | " + script_ + " . piles")
+        return support::run("cd " + folder_.path().string() + " && printf '" + names + "' | " + script_ + " . piles " +
+                            std::to_string(most))
             .output;
     }
     const support::Folder folder_;
@@ -38,18 +40,24 @@ class Piles : public testing::Test {
 };
 
 TEST_F(Piles, HoldWhatIsChangedInAFolder) {
-    EXPECT_EQ(write({"a/first.cpp", "a/second.cpp", "b/third.cpp", "b/gone.cpp"}), "");
+    EXPECT_EQ(write({"2 a/first.cpp", "1 a/second.cpp", "2 b/third.cpp", "1 b/gone.cpp"}), "");
     EXPECT_EQ(support::contents(folder_ / "piles/0.cpp"),
               support::contents(folder_ / "a/first.cpp") + support::contents(folder_ / "a/second.cpp"));
     EXPECT_EQ(support::contents(folder_ / "piles/1.cpp"), support::contents(folder_ / "b/third.cpp"));
-    EXPECT_EQ(write({"a/second.cpp"}), "");
+    EXPECT_EQ(write({"1 a/second.cpp"}), "");
     EXPECT_EQ(support::contents(folder_ / "piles/0.cpp"), support::contents(folder_ / "a/second.cpp"));
     EXPECT_EQ(support::contents(folder_ / "piles/compile_commands.json").find("1.cpp"), std::string::npos);
 }
 
+TEST_F(Piles, OfWhichMostLinesDifferAreJudgedAndTheOthersNamed) {
+    EXPECT_EQ(write({"2 a/first.cpp", "1 b/third.cpp", "2 b/third.cpp"}, 1),
+              "tidy: left out as those that changed least (1 sources): a/first.cpp\n");
+    EXPECT_EQ(support::contents(folder_ / "piles/0.cpp"), support::contents(folder_ / "b/third.cpp"));
+}
+
 TEST_F(Piles, AreFollowedByTheAnalyzerThroughEachSource) {
     if (support::run("command -v clang-tidy-14").status != 0) GTEST_SKIP() << "clang-tidy-14 is not installed";
-    ASSERT_EQ(write({"a/first.cpp", "a/second.cpp"}), "");
+    ASSERT_EQ(write({"1 a/first.cpp", "1 a/second.cpp"}), "");
     const std::string said =
         support::run("cd " + folder_.path().string() +
                      " && clang-tidy-14 -p piles --quiet '--checks=-*,clang-analyzer-*' $PWD/piles/0.cpp | " + script_ +

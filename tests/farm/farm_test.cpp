@@ -226,7 +226,7 @@ TEST(Farm, SamplesFilmsOfCodecsWithoutSmallPicturesSlow) {
     }
 }
 
-TEST(Farm, RefusesByNameWhatIsNotThePlans) {
+TEST(Farm, RefusesByNameWhatIsNotThePlansSlow) {
     const FarmFilm film("", 120);
     ASSERT_EQ(film.farm("-o " + film.path("f.mpg"), "--to parallel").status, 0);
     const auto refused = [&](const std::string& words) {
@@ -264,7 +264,7 @@ TEST(Farm, RefusesByNameWhatIsNotThePlans) {
     EXPECT_EQ(run(film.part("f.mpg.farm", 1)).status, 0) << "and this is it";
 }
 
-TEST(Farm, RefusesDamagedPlansInOneLineOfWords) {
+TEST(Farm, RefusesDamagedPlansInOneLineOfWordsSlow) {
     const FarmFilm film("", 120);
     ASSERT_EQ(film.farm("-o " + film.path("f.mpg"), "--to parallel --parts 2").status, 0);
     const std::filesystem::path file = film / "f.mpg.farm/plan.json";
@@ -302,7 +302,7 @@ TEST(Farm, RefusesDamagedPlansInOneLineOfWords) {
     EXPECT_GT(refused, damaged.size() / 4);
 }
 
-TEST(Farm, KeepsWhatIsMadeWhereItIsGivenAgain) {
+TEST(Farm, KeepsWhatIsMadeWhereItIsGivenAgainSlow) {
     const FarmFilm film("", 120);
     const std::string name = "-o " + film.path("f.mpg");
     ASSERT_EQ(film.farm(name, "--to parallel").status, 0);

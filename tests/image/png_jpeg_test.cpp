@@ -72,7 +72,7 @@ TEST(PngOrJpeg, PngsOfEveryKindAreReadAsByOpenImageIO) {
                  "pixels that are no squares");
 }
 
-TEST(PngOrJpeg, JpegsAreReadAsByOpenImageIO) {
+TEST(PngOrJpeg, JpegsAreReadAsByOpenImageIOSlow) {
     expect_alike(encoded::grey_jpeg(), Format::jpeg, "grey");
     const support::Folder folder;
     for (const char* how : {"", " --compression jpeg:30", " --attrib jpeg:subsampling 4:2:0",

@@ -105,7 +105,7 @@ class AlphaOfWebm : public Alpha {
     }
 };
 
-TEST_F(AlphaOfWebm, IsThatOfPng) {
+TEST_F(AlphaOfWebm, IsThatOfPngSlow) {
     render("m.webm", "--quantiser 2");
     render("n.mp4", "--quantiser 2 --also neutral " + path(folder_, "o.webm"));
     render("p.%04d.png");
@@ -114,7 +114,7 @@ TEST_F(AlphaOfWebm, IsThatOfPng) {
               std::string::npos);
 }
 
-TEST_F(AlphaOfWebm, IsThatOfFramesThatAreEncoded) {
+TEST_F(AlphaOfWebm, IsThatOfFramesThatAreEncodedSlow) {
     render("p.%04d.png");
     render("q.%04d.exr");
     for (const char* made : {"p.%04d.png -q 2 -o r.webm", "q.%04d.exr -q 2 -o s.webm",
@@ -126,7 +126,7 @@ TEST_F(AlphaOfWebm, IsThatOfFramesThatAreEncoded) {
     for (const char* name : {"r.webm", "s.webm", "t.mkv", "u.mov"}) expect_like_png(name);
 }
 
-TEST_F(Alpha, OfFramesThatAreEncodedIsDroppedWhereAsked) {
+TEST_F(Alpha, OfFramesThatAreEncodedIsDroppedWhereAskedSlow) {
     render("p.%04d.png", "--frames 0:0");
     for (const auto& [option, open] : {std::pair("", 0), {"--transparent on", 0}, {"--transparent off", 255}}) {
         const auto made = run(program() + " encode -y --quiet --fps 25 --codec prores4444 " + option + " " +

@@ -14,7 +14,7 @@ std::string rendering(const Folder& folder, const std::string& film, const std::
            path(folder, film) + " " + more;
 }
 
-TEST(AlsoFilms, InTheSameViewHaveTheSameBytes) {
+TEST(AlsoFilms, InTheSameViewHaveTheSameBytesSlow) {
     const Folder folder;
     const auto outcome = run(rendering(folder, "a.mp4",
                                        "--also neutral " + path(folder, "b.mp4") + " --also pq " +
@@ -47,7 +47,7 @@ TEST(AlsoFilms, OfFarmsAreThoseOfOneRunSlow) {
     EXPECT_EQ(contents(path(folder, "b.mp4")), contents(path(folder, "d.mp4")));
 }
 
-TEST(AlsoFilms, HaveTheExposureThatIsMeasuredAndThePeakThatIsAskedFor) {
+TEST(AlsoFilms, HaveTheExposureThatIsMeasuredAndThePeakThatIsAskedForSlow) {
     const Folder folder;
     const std::string what = program() + " render " + plain_film() + " --frames 0:2 --size 64x48 --quiet ";
     const auto made = run(what + "-o " + path(folder, "a.mp4") + " --also neutral " + path(folder, "b.mp4") +
@@ -63,7 +63,7 @@ TEST(AlsoFilms, HaveTheExposureThatIsMeasuredAndThePeakThatIsAskedFor) {
     EXPECT_EQ(ffprobe(path(folder, "d.mp4")).value("codec_name", ""), "hevc");
 }
 
-TEST(AlsoFilms, HaveTheFilmsSoundAndHeatmapsNone) {
+TEST(AlsoFilms, HaveTheFilmsSoundAndHeatmapsNoneSlow) {
     const Folder folder;
     ASSERT_EQ(run("ffmpeg -v error -f lavfi -i sine=d=1 " + path(folder, "s.wav")).status, 0);
     const auto made = run(rendering(folder, "a.mp4",

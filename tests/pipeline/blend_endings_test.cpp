@@ -72,7 +72,7 @@ std::string exporting(const std::string& film, const std::string& uses) {
            R"({"blender": "0", "lost": [], "uses": [)" + uses + "]}' > \"$3/export.json\"";
 }
 
-TEST(BlendExports, TellTheirSteps) {
+TEST(BlendExports, TellTheirStepsSlow) {
     const BlenderStandIn film(
         "while [ \"$1\" != -- ]; do shift; done\necho 'frame 3 of 72' > \"$3/step\"; sleep 3; exit 1");
     const Outcome said = run("export RENDER2MPEG_BLENDER=" + (film / "blender").string() + "; script -qec '" +

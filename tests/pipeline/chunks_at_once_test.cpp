@@ -57,7 +57,7 @@ json lasting(const std::string& text) {
     return s;
 }
 
-TEST_F(ChunksAtOnce, ChangeNoByteOfAFilmForAnyNumberOfThreads) {
+TEST_F(ChunksAtOnce, ChangeNoByteOfAFilmForAnyNumberOfThreadsSlow) {
     make(start(direct_ + "--quiet --threads 1 --chunks-at-once 1 -o " + file("one.mpg")));
     const std::string film = bytes("one.mpg");
     for (const auto& [chunks, threads] : {std::pair{1, 33}, {2, 1}, {2, 3}, {3, 2}, {3, 16}, {9, 2}}) {
@@ -95,7 +95,7 @@ TEST_F(ChunksAtOnce, ChangeNoFrameThatIsNotCodedSlow) {
     EXPECT_EQ(files, 4 * 127 + 1u) << "two kinds of images, layers and motion";
 }
 
-TEST_F(ChunksAtOnce, ResumingKeepsThoseBehindAGap) {
+TEST_F(ChunksAtOnce, ResumingKeepsThoseBehindAGapSlow) {
     const std::string begin =
         start("--threads 2 --stats " + file("film.json") + " --chunks-at-once 2 -o " + file("film.mpg"));
     make_unnamed(begin);
@@ -117,7 +117,7 @@ TEST_F(ChunksAtOnce, ResumingKeepsThoseBehindAGap) {
         EXPECT_EQ(film.at("counts").at(count), whole.at("counts").at(count)) << count;
 }
 
-TEST_F(ChunksAtOnce, InterruptedOnesAreResumedByAnyOtherNumberOfThem) {
+TEST_F(ChunksAtOnce, InterruptedOnesAreResumedByAnyOtherNumberOfThemSlow) {
     const std::string begin = start(direct_ + "--hold --frames 0:819 --threads 2 -o " + file("film.mpg"));
     int ended = 0;
     for (const auto& [chunks, signal] : {std::pair{"3", "TERM"}, {"2", "KILL"}, {"4", "INT"}}) {
@@ -164,7 +164,7 @@ TEST_F(ChunksAtOnce, AFilmEndsWithItsFirstThatIsNotWhole) {
     EXPECT_EQ(app::leading_of(files, 1).size(), 0u);
 }
 
-TEST_F(ChunksAtOnce, OneThatFailsStopsTheOthersAndKeepsWhatIsWhole) {
+TEST_F(ChunksAtOnce, OneThatFailsStopsTheOthersAndKeepsWhatIsWholeSlow) {
     // A frame of the third chunk cannot be written.
     std::filesystem::create_directories(folder_ / "f.120.png/mine");
     const std::string begin = start(direct_ + "--threads 2 --chunks-at-once 2 -o " + file("f.%03d.png"));

@@ -32,7 +32,7 @@ bool codes(const std::string& codec) {
                .status == 0;
 }
 
-TEST(Codecs, AreChosenByTheEndingOrByName) {
+TEST(Codecs, AreChosenByTheEndingOrByNameSlow) {
     const Folder folder;
     const std::string frames = path(folder, "f.y4m");
     write_frames(frames, 64, 64, "25:1", "", 3);
@@ -79,7 +79,7 @@ TEST(Codecs, RefuseInOneLineWhatTheyDoNotHave) {
     EXPECT_EQ(folder.entries(), 1u) << "nothing was written";
 }
 
-TEST(Codecs, OfGifAreTheSameForAnyThreadsAndHaveTheirFastestRate) {
+TEST(Codecs, OfGifAreTheSameForAnyThreadsAndHaveTheirFastestRateSlow) {
     const Folder folder;
     const auto render = [&](const std::string& name, const std::string& more) {
         return run(program() + " render --hold " + plain_film() +
@@ -109,7 +109,7 @@ double rate_of(const Folder& folder, const std::string& frames, const std::strin
     return told_of(folder, frames, options).at("rate").at("average").get<double>();
 }
 
-TEST(Codecs, ReachARateInTwoPasses) {
+TEST(Codecs, ReachARateInTwoPassesSlow) {
     const Folder folder;
     const std::string frames = path(folder, "f.y4m");
     write_frames(frames, 96, 80, "25:1", "", 80);
@@ -140,7 +140,7 @@ void write_waves(const std::string& file, int frames) {
     }
 }
 
-TEST(Codecs, LoseNothingByARateFarFromTheUsualQuantiser) {
+TEST(Codecs, LoseNothingByARateFarFromTheUsualQuantiserSlow) {
     const Folder folder;
     const std::string frames = path(folder, "f.y4m");
     write_waves(frames, 40);

@@ -126,7 +126,7 @@ TEST(Cost, DependsOnThreadsInItsTimesAloneSlow) {
               timeless(cost_of(plain_film(), options + " --threads 3")));
 }
 
-TEST(Cost, OfWhatIsBlackIsTold) {
+TEST(Cost, OfWhatIsBlackIsToldSlow) {
     const json found = cost_of(plain_film(),
                                " --size 16x16 --samples 1 --exposure -40 --sample 1x1"
                                " --tolerances 16");
@@ -209,7 +209,7 @@ app::RenderJob tiny_film(const std::string& input = plain_film(), const std::str
     return app::prepare(options);
 }
 
-TEST(Trials, CountPicturesThatABufferHasNoRoomFor) {
+TEST(Trials, CountPicturesThatABufferHasNoRoomForSlow) {
     app::RenderJob film = tiny_film();
     for (const bool tight : {false, true}) {
         // The smallest buffer that a header can tell.
@@ -229,7 +229,7 @@ TEST(Trials, CountPicturesThatABufferHasNoRoomFor) {
     }
 }
 
-TEST(Trials, GiveCoupledLightTheShareThatTheyAreAskedFor) {
+TEST(Trials, GiveCoupledLightTheShareThatTheyAreAskedForSlow) {
     const app::RenderJob film = tiny_film(support::panel_film());
     app::Trials trials(film, app::middle_windows(film, 1, 2), 0);
     ASSERT_TRUE(trials.light_references([](double) {}, [] { return true; }));
@@ -250,7 +250,7 @@ TEST(Trials, TellTheirMemoryBeforeTheyTakeIt) {
     EXPECT_THROW(app::check_memory(8.1e9, 8e9), core::Error);
 }
 
-TEST(Trials, EndWhenTheyAreToldTo) {
+TEST(Trials, EndWhenTheyAreToldToSlow) {
     const app::RenderJob film = tiny_film(plain_film(), "8x8");
     app::Trials trials(film, app::middle_windows(film, 2, 2));
     int told = 0, done = 0;

@@ -235,7 +235,7 @@ TEST(CoupledLoop, FramesThatAreLitAlikeAreLitOnceSlow) {
     EXPECT_LT(coupled, 1.3 * fixed) << "the first of four frames has a look, too";
 }
 
-TEST(CoupledLoop, MaskingByTheDecodedPictureLightsTheFilmInAWayOfItsOwn) {
+TEST(CoupledLoop, MaskingByTheDecodedPictureLightsTheFilmInAWayOfItsOwnSlow) {
     RenderOptions options = options_of(support::plain_film(), "0:8", "32x24");
     options.coding.gop = 9;
     const Record warped = made(options, "coupled=0.5");

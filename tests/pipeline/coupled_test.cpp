@@ -48,7 +48,7 @@ TEST(Coupled, TheShareOfWhatIsHiddenSteersTheRays) {
               0.5 * gather_rays(make(folder, plain_film(), rest + "0.1")));
 }
 
-TEST(Coupled, TheLossThatIsAskedForSteersTheRays) {
+TEST(Coupled, TheLossThatIsAskedForSteersTheRaysSlow) {
     const Folder folder;
     const std::string rest = " --frames 0:1 --quantiser 8 --loss ";
     const Made fine = make(folder, film("cornell"), rest + "0.05"),
@@ -63,7 +63,7 @@ TEST(Coupled, TheLossThatIsAskedForSteersTheRays) {
     EXPECT_LT(told(fine, "share"), 0.5 * told(coarse, "share"));
 }
 
-TEST(Coupled, PredictedPicturesHaveAShareOfTheirOwn) {
+TEST(Coupled, PredictedPicturesHaveAShareOfTheirOwnSlow) {
     const Folder folder;
     const std::string rest = " --frames 0:4 --quantiser 8";
     const auto share = [](const Made& made, std::size_t frame) {
@@ -77,7 +77,7 @@ TEST(Coupled, PredictedPicturesHaveAShareOfTheirOwn) {
     for (const std::size_t frame : {0u, 1u, 4u}) EXPECT_EQ(share(told, frame), 0.5) << frame;
 }
 
-TEST(Coupled, AFirstPictureLosesAboutWhatIsAskedFor) {
+TEST(Coupled, AFirstPictureLosesAboutWhatIsAskedForSlow) {
     const Folder folder;
     for (const char* name : {"cornell", "still_room"}) {
         const Made made = make(folder, film(name), " --frames 0:0 --quantiser 8 --loss 0.2");
@@ -87,7 +87,7 @@ TEST(Coupled, AFirstPictureLosesAboutWhatIsAskedFor) {
     }
 }
 
-TEST(Coupled, PredictedPicturesAreMeasuredWhereTheCoderHoldsThemBack) {
+TEST(Coupled, PredictedPicturesAreMeasuredWhereTheCoderHoldsThemBackSlow) {
     const Folder folder;
     const auto stats = folder / "s.json";
     const auto outcome =

@@ -212,7 +212,7 @@ std::string decoded(const std::string& film, const std::string& pixels) {
     return shown.output;
 }
 
-TEST(Encode, AMasterHasAllThatY4mHas) {
+TEST(Encode, AMasterHasAllThatY4mHasSlow) {
     const Folder folder;
     for (const std::string pixels : {"yuv444p12le", "yuv422p10le", "yuv420p10le"}) {
         SCOPED_TRACE(pixels);
@@ -235,7 +235,7 @@ TEST(Encode, AMasterHasAllThatY4mHas) {
     }
 }
 
-TEST(Encode, FilmsHaveAnyRateAndShapeWhereTheirCodecsDo) {
+TEST(Encode, FilmsHaveAnyRateAndShapeWhereTheirCodecsDoSlow) {
     const Folder folder;
     ASSERT_EQ(
         run("ffmpeg -v error -f lavfi -i testsrc2=s=96x64:r=15:d=1 -vf setsar=2/1 " + inside(folder, "s.y4m")).status,
@@ -294,7 +294,7 @@ TEST(Encode, InfiniteLightIsWhite) {
     EXPECT_NEAR(code(side * side - 1, 0), 118, 1);
 }
 
-TEST(Encode, TakesFramesOfTiffAndJpeg) {
+TEST(Encode, TakesFramesOfTiffAndJpegSlow) {
     const Folder folder;
     const std::string source = "ffmpeg -v error -f lavfi -i testsrc2=s=64x48:r=25:d=0.12 ";
     ASSERT_EQ(run(source + "-pix_fmt rgb48le " + inside(folder, "t.%02d.tif")).status, 0);

@@ -35,7 +35,7 @@ std::string fog_film(const Folder& folder, const std::string& film, const std::s
     return contents(folder / name);
 }
 
-TEST(FogInFilms, CostsNothingWhereThereIsNoneAndComesFromFileOrCommandLine) {
+TEST(FogInFilms, CostsNothingWhereThereIsNoneAndComesFromFileOrCommandLineSlow) {
     const Folder folder;
     const std::string plain = fog_film(folder, post_in(folder, ""), "", "plain.m2v");
     const nlohmann::json clear = statistics_in(folder);

@@ -113,7 +113,7 @@ TEST(Forecast, OfAShortFilmIsWhatItTakes) {
     EXPECT_DOUBLE_EQ(found->disk, 2 * found->bytes);
 }
 
-TEST(Forecast, LightsAWindowOfEachShot) {
+TEST(Forecast, LightsAWindowOfEachShotSlow) {
     RenderJob film = small_film(support::film("flash_cut"), "16x16");  // a cut at 36
     const auto found = app::forecast(film, "film.mpg", 60, true);
     ASSERT_TRUE(found.has_value());
@@ -195,7 +195,7 @@ TEST(Windows, LieInEachShot) {
     EXPECT_EQ(app::windows_by_shot(film, {4, 5}).size(), 4u) << "one shot: its parts";
 }
 
-TEST(Effects, LeaveOutTheOnlyLightOfMovingThings) {
+TEST(Effects, LeaveOutTheOnlyLightOfMovingThingsSlow) {
     // The same as a lamp that goes out: no photon starts, and none can be kept.
     const RenderJob film = small_film(support::plain_film());
     const app::EffectCosts costs =

@@ -99,7 +99,7 @@ TEST(GrainInFilms, HasTheVarianceOfItsModelByLumaInEachCodecSlow) {
     EXPECT_LT(contents(made).size(), contents(plain).size() + 100 + film_frames * 12);
 }
 
-TEST(GrainInFilms, TellsTheBitsThatItTakes) {
+TEST(GrainInFilms, TellsTheBitsThatItTakesSlow) {
     const Folder folder;
     const std::string film = grey_film(folder);
     const auto bits_of = [&](const std::string& options) {

@@ -39,7 +39,7 @@ bool mentions(const support::Outcome& outcome, const std::string& words) {
     return outcome.output.find(words) != std::string::npos;
 }
 
-TEST(StandardDescriptors, ThatAreClosedAreNoFilesOfOurs) {
+TEST(StandardDescriptors, ThatAreClosedAreNoFilesOfOursSlow) {
     const Folder folder;
     ASSERT_EQ(run(render_in(folder, "whole.m2v")).status, 0);
     // Progress is told, so that it would go into whatever has number 2.
@@ -206,7 +206,7 @@ TEST(Outputs, ThatMayNotGrowSaySo) {
     EXPECT_TRUE(mentions(outcome, "File too large")) << outcome.output;
 }
 
-TEST(Outputs, ThatArePipesAreWrittenToAndStay) {
+TEST(Outputs, ThatArePipesAreWrittenToAndStaySlow) {
     const Folder folder;
     ASSERT_EQ(run(render_in(folder, "whole.ts")).status, 0);
     ASSERT_EQ(run(render_in(folder, "whole.y4m")).status, 0);

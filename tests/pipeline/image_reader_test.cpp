@@ -79,7 +79,7 @@ TEST(ImageReader, GivesAnImageThatNeedsMoreThanItsShareAllOfItSlow) {
     EXPECT_TRUE(ImageReader(scene_of(images_in(folder))).read_ahead(little_each));
 }
 
-TEST(ImageReader, HandsOverThePixelsThatAreReadHere) {
+TEST(ImageReader, HandsOverThePixelsThatAreReadHereSlow) {
     const support::Folder folder;
     const std::vector<std::filesystem::path> files = images_in(folder);
     for (const bool ahead : {true, false}) {

@@ -188,7 +188,7 @@ TEST(LightCache, ChangesNothingAboutResumingNorPartsSlow) {
     EXPECT_GT(contents(films.place("l.light")).size(), light.size());
 }
 
-TEST(LightCache, AndFilmsAreTheSameForAnyNumberOfLightPointsSinceRaysBringTheLight) {
+TEST(LightCache, AndFilmsAreTheSameForAnyNumberOfLightPointsSinceRaysBringTheLightSlow) {
     const Walk films;
     const std::string few = "--frames 0:0 --hold --size 16x12 -q 16 ";
     ASSERT_EQ(films.render("usual", few + films.with()).status, 0);
@@ -205,7 +205,7 @@ TEST(LightCache, AndFilmsAreTheSameForAnyNumberOfLightPointsSinceRaysBringTheLig
     EXPECT_NE(films.film("none"), films.film("usual"));
 }
 
-TEST(LightCache, IsRefusedByNameOrToldToHaveNoEffect) {
+TEST(LightCache, IsRefusedByNameOrToldToHaveNoEffectSlow) {
     const Walk films;
     const std::string few = "--frames 0:0 --hold --size 16x12 -q 16 ";
     ASSERT_EQ(films.render("a", few + films.with()).status, 0);
@@ -243,7 +243,7 @@ void forge(const std::filesystem::path& file, std::size_t place, std::uint32_t b
     LightFile(file, identity).add(known);
 }
 
-TEST(LightCache, RefusesLightThatNoRunHasFound) {
+TEST(LightCache, RefusesLightThatNoRunHasFoundSlow) {
     const Walk films;
     const std::string few = "--frames 0:0 --hold --size 16x12 -q 16 --quiet ";
     ASSERT_EQ(films.render("a", few + films.with()).status, 0);

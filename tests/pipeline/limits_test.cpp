@@ -35,7 +35,7 @@ TEST(Memory, ThatAFilmWouldTakeBeyondItsLimitIsToldBeforeItIsBegun) {
     EXPECT_TRUE(has(nonsense, "expected a size such as 8G")) << nonsense.output;
 }
 
-TEST(Memory, ThatAFilmIsReckonedToTakeIsEnough) {
+TEST(Memory, ThatAFilmIsReckonedToTakeIsEnoughSlow) {
     const Folder folder;
     for (const char* threads : {"1", "4"}) {
         const std::string start = program() + " render -y --hold " + plain_film() +

@@ -159,7 +159,7 @@ TEST(LiveView, BeginsQuicklyAndEndsWithThePictureByRays) {
     EXPECT_EQ(program.status(), 0);
 }
 
-TEST(LiveView, OfAGivenCameraIsThatOfTheFilmsOwnInTheSamePlace) {
+TEST(LiveView, OfAGivenCameraIsThatOfTheFilmsOwnInTheSamePlaceSlow) {
     LiveProgram program(support::plain_film());
     const Answer own = program.best_of(0);
     program.say(from_the_left);
@@ -221,7 +221,7 @@ TEST(LiveView, AnswersABadLineByOneLineAndGoesOn) {
     EXPECT_FALSE(program.answer_with("picture").says.is_null());
 }
 
-TEST(LiveView, EndsWhereItsInputOrItsReaderGoes) {
+TEST(LiveView, EndsWhereItsInputOrItsReaderGoesSlow) {
     LiveProgram program(support::plain_film(), "1280x960");
     program.answer_with("picture");
     program.end_input();

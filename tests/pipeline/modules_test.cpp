@@ -129,7 +129,7 @@ TEST(Causes, AReaderThatDoesNotStartIsNamed) {
     }
 }
 
-TEST(Causes, ThreadsAndMemoryThatDoNotFitAreToldInOneLine) {
+TEST(Causes, ThreadsAndMemoryThatDoNotFitAreToldInOneLineSlow) {
     const Folder out;
     const auto told = [&](const std::string& option) {
         return run(program() + " render " + film("cornell") + small + option + " -o " + path(out, "f.y4m") + " -y");

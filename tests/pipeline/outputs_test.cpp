@@ -73,7 +73,7 @@ TEST(WorkFolder, IsNoOtherRunsMeanwhileSlow) {
     EXPECT_FALSE(std::filesystem::exists(folder / "a.mpg.partial"));
 }
 
-TEST(Pipes, ThatNobodyReadsEndWithTheFirstSignal) {
+TEST(Pipes, ThatNobodyReadsEndWithTheFirstSignalSlow) {
     const Folder folder;
     test::write_frames(path(folder, "in.y4m"), 32, 32, "25:1", "1:1", 2);
     ASSERT_EQ(run("mkfifo " + path(folder, "p.mpg")).status, 0);

@@ -28,7 +28,7 @@ TEST(Preset, WhatContradictsItIsRefusedBeforeAnythingIsWritten) {
     EXPECT_EQ(folder.entries(), 1u) << "only the frames that the test wrote";
 }
 
-TEST(Keyframes, BeginGopsInFilms) {
+TEST(Keyframes, BeginGopsInFilmsSlow) {
     const Folder folder;
     write_frames(path(folder, "in.y4m"), 96, 64, "25:1", "1:1", 20);
     std::ofstream(folder / "k.txt") << "# a chapter\n9\n";

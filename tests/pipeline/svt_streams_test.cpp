@@ -27,7 +27,7 @@ std::map<int, int> indices_of(const std::string& film) {
     return found;
 }
 
-TEST(SvtStreams, HaveTheLayersThatLightIsPlannedFor) {
+TEST(SvtStreams, HaveTheLayersThatLightIsPlannedForSlow) {
     const Folder folder;
     for (const auto& [count, quantiser] : {std::pair{40, 4}, {12, 8}, {31, 2}}) {
         const std::string frames = (folder.path() / "a.y4m").string(), film = (folder.path() / "a.mp4").string();

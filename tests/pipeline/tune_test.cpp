@@ -213,7 +213,7 @@ TEST(Tune, FindsAQualityAndPrintsTheRenderThatHasItSlow) {
     for (const auto& [key, value] : chosen.items()) EXPECT_NE(document.find("`" + key + "`"), std::string::npos) << key;
 }
 
-TEST(Tune, SaysWhatIsOutOfReach) {
+TEST(Tune, SaysWhatIsOutOfReachSlow) {
     const json fine = tuned(" --sample 1x2 --target-psnr 90 --dry-run", 1, smallest_search);
     EXPECT_EQ(fine.at("found"), "beyond");
     EXPECT_EQ(fine.at("rows").at(fine.at("chosen").get<std::size_t>()).at("setting"), "100.0");
@@ -226,7 +226,7 @@ TEST(Tune, SaysWhatIsOutOfReach) {
     EXPECT_EQ(late.at("rows").size(), 2u) << "as asked for, and the least";
 }
 
-TEST(Tune, LoosensNoOptionThatIsIdle) {
+TEST(Tune, LoosensNoOptionThatIsIdleSlow) {
     for (const bool points : {false, true}) {
         const auto outcome =
             run(program() + " tune " + plain_film() + " --size 16x16 --exposure 0 --indirect " +
@@ -283,7 +283,7 @@ TEST(Tune, HoldsAFileToASizeThatItsSampleDoesNotFill) {
     EXPECT_EQ(rate_of("3M --maxrate 5M"), 5e6);
 }
 
-TEST(Tune, SaysWhereNothingIsLostWhateverTheQuality) {
+TEST(Tune, SaysWhereNothingIsLostWhateverTheQualitySlow) {
     const Folder folder;
     const auto outcome = run(program() + " tune " + plain_film() +
                              " --size 16x16 --samples 1 --exposure -60 --sample 1x2 --target-psnr 40 "
@@ -297,7 +297,7 @@ TEST(Tune, SaysWhereNothingIsLostWhateverTheQuality) {
     EXPECT_EQ(found.at("options").at("quality"), "0.0") << "the smallest";
 }
 
-TEST(Tune, LoosensLightUntilItIsInTime) {
+TEST(Tune, LoosensLightUntilItIsInTimeSlow) {
     const json easy = tuned(" --sample 1x1 --max-time 10h --quantiser 8 --dry-run", 0, smallest_search);
     EXPECT_EQ(easy.at("rows").size(), 1u);
     EXPECT_TRUE(easy.at("options").empty()) << "nothing need be loosened";
@@ -306,7 +306,7 @@ TEST(Tune, LoosensLightUntilItIsInTime) {
     EXPECT_NE(easy.at("render").get<std::string>().find("--quantiser 8"), std::string::npos);
 }
 
-TEST(Tune, MakesTheFilmAgainWhereItMissed) {
+TEST(Tune, MakesTheFilmAgainWhereItMissedSlow) {
     std::vector<std::string> words{"render2mpeg", "tune", plain_film(), "--target-psnr", "36",     "--references", "0",
                                    "--frames",    "0:3",  "-o",         "never.mpg",     "--quiet"};
     const std::string search = smallest_search.substr(1);

@@ -303,7 +303,7 @@ TEST(Volume, BlackBodiesAreWhiteAtDaylightAndRedWhenCold) {
     EXPECT_NEAR(core::luminance(blackbody_radiance(4000, 1)) / core::luminance(blackbody_radiance(2000, 1)), 16, 0.1);
 }
 
-TEST(Volume, OddOnesAreLitWithoutNaN) {
+TEST(Volume, OddOnesAreLitWithoutNaNSlow) {
     std::vector<scene::Volume> odd(8, even_cube(4));
     odd[0].density = 0;
     odd[1].density = 1e9f;
@@ -353,7 +353,7 @@ TEST(Volume, IsLeftByRaysFromFarAway) {
     }
 }
 
-TEST(Volume, AbsentOnesChangeNothing) {
+TEST(Volume, AbsentOnesChangeNothingSlow) {
     SceneBuilder with = test::furnished_room(), without = test::furnished_room();
     scene::Volume gone = even_cube(8);
     gone.node = static_cast<int>(with.film().nodes.size());
@@ -363,7 +363,7 @@ TEST(Volume, AbsentOnesChangeNothing) {
     EXPECT_EQ(test::share_over(a.reference(), b.reference(), 1e-3f), 0);
 }
 
-TEST(Volume, StillOnesStayWhatTheyAre) {
+TEST(Volume, StillOnesStayWhatTheyAreSlow) {
     scene::Volume volume = even_cube(16);
     volume.color = glm::vec3(0.8f);
     SceneBuilder b = test::furnished_room();

@@ -132,7 +132,7 @@ class FurnaceEdges : public testing::Test {
     LightTrees light_trees_;
 };
 
-TEST_F(FurnaceEdges, AreNeitherDarkNorBlotchy) {
+TEST_F(FurnaceEdges, AreNeitherDarkNorBlotchySlow) {
     const double middle = along(2.0f, {0.25f}).first;
     const std::pair<float, double> most_scatter[] = {{0.02f, 0.25}, {0.08f, 0.18}, {0.2f, 0.11}, {0.4f, 0.11}};
     for (const auto& [metres, most] : most_scatter) {

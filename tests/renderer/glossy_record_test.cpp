@@ -111,7 +111,7 @@ test::SceneBuilder glossy_floor(float roughness) {
 
 class GlossyFloor : public testing::TestWithParam<float> {};
 
-TEST_P(GlossyFloor, IsServedByRecordsAndShowsTheWallWhereItIs) {
+TEST_P(GlossyFloor, IsServedByRecordsAndShowsTheWallWhereItIsSlow) {
     Settings s = test::small_frame(96, 64);
     test::FilmStage kept(glossy_floor(GetParam()), s);
     s.cache = CacheUse::off;

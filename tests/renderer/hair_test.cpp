@@ -300,7 +300,7 @@ SceneBuilder fine_tuft() {
     return b;
 }
 
-TEST(HairLight, OfCellsThatLightEachOtherIsThatOfPaths) {
+TEST(HairLight, OfCellsThatLightEachOtherIsThatOfPathsSlow) {
     const SceneBuilder b = fine_tuft();
     const Stage stage(b);
     const GatherRays rays(stage.posed_scene(), stage.plan());

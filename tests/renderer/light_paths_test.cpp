@@ -192,7 +192,7 @@ SceneBuilder below_a_mirror(float floor_roughness) {
     return b;
 }
 
-TEST(LightPaths, HoldNoCausticOfAMirrorOnTheFirstSurface) {
+TEST(LightPaths, HoldNoCausticOfAMirrorOnTheFirstSurfaceSlow) {
     // The floor beside the lamp is lit by the mirror alone: by the lamp in it, and by the floor about that it lights.
     const SceneBuilder all = below_a_mirror(1.0f);
     const Stage stage(all);

@@ -139,7 +139,7 @@ TEST(LobeRays, OfAFloorByAWallAreTheIntegralOfItsLobe) {
     EXPECT_LT(std::sqrt(squares / compared), 0.025);
 }
 
-TEST(LobeRays, OfAFloorShowTheLightOfAWall) {
+TEST(LobeRays, OfAFloorShowTheLightOfAWallSlow) {
     // A sun lights the wall x = 0 alone, along the floor: radiance 0.5 / pi x pi.
     SceneBuilder b;
     b.add_quad({0, 0, 2}, {4, 0, 0}, {0, 0, -4}, add_metal(b, 0.2f));
@@ -188,7 +188,7 @@ bool meets_box(glm::vec3 origin, glm::vec3 direction, glm::vec3 low, glm::vec3 h
     return enters > 0.0f && enters < leaves;
 }
 
-TEST(LobeRays, OfAFloorShowAShiningBoxHoweverFewLightPointsItHas) {
+TEST(LobeRays, OfAFloorShowAShiningBoxHoweverFewLightPointsItHasSlow) {
     const glm::vec3 low(-0.3f, 0.2f, -0.3f), high(0.3f, 0.8f, 0.3f);
     SceneBuilder b;
     b.add_quad({-4, 0, 4}, {8, 0, 0}, {0, 0, -8}, add_metal(b, 0.2f));

@@ -138,7 +138,7 @@ SceneBuilder random_scene(std::uint64_t number, int triangles) {
     return builder;
 }
 
-TEST(OpacityMaps, AnswerAsTexturesDoOrNotAtAll) {
+TEST(OpacityMaps, AnswerAsTexturesDoOrNotAtAllSlow) {
     int known = 0, asked = 0;
     for (std::uint64_t number = 0; number < 60; ++number) {
         constexpr int triangles = 54;
@@ -196,7 +196,7 @@ TEST(OpacityMaps, KnowAllOfALeafButItsRim) {
     EXPECT_EQ(count[0] + count[1] + count[2], 40000);
 }
 
-TEST(OpacityMaps, ShareWhatCardsHaveInCommonAndStayBounded) {
+TEST(OpacityMaps, ShareWhatCardsHaveInCommonAndStayBoundedSlow) {
     const std::size_t one = Cards(leaf(64)).maps.bytes();
     SceneBuilder many = leaf(64);
     scene::Mesh cards;

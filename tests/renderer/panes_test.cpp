@@ -76,7 +76,7 @@ TEST(Panes, TakeWhatTheirGlassAbsorbs) {
     EXPECT_NEAR(green(0.5f) / green(1.0f), expected, 0.002);
 }
 
-TEST(Panes, PassTheSkyToGatherRays) {
+TEST(Panes, PassTheSkyToGatherRaysSlow) {
     SceneBuilder b = floor_below(dark);
     b.film().sky.color = glm::vec3(1);
     add_lid(b);
@@ -149,7 +149,7 @@ TEST(Panes, MirrorASunOntoTheFloorByPhotons) {
     EXPECT_NEAR(lit(b) / without, 1 + 2 * r / (1 + r), 0.01);
 }
 
-TEST(SolidGlass, PassesWhatSurfacesBounceWhereCausticsHaveLightOfLamps) {
+TEST(SolidGlass, PassesWhatSurfacesBounceWhereCausticsHaveLightOfLampsSlow) {
     // A roof that a lamp lights from below; a plate below the lamp hides it from the floor.
     const auto light = [](bool glass, bool caustics) {
         SceneBuilder b = floor_below();

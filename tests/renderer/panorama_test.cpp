@@ -116,7 +116,7 @@ TEST(PanoramaSeam, ShowsThePictureThatIsInTheMiddleOfOneThatLooksTheOtherWay) {
     EXPECT_LT(largest, 0.01);
 }
 
-TEST(PanoramaSeam, HasLightAsSmoothAsElsewhere) {
+TEST(PanoramaSeam, HasLightAsSmoothAsElsewhereSlow) {
     // Records on either side of the seam are each other's neighbours.
     FilmStage ahead(room_about({1, 0, 0}), panorama_frame()), back(room_about({-1, 0, 0}), panorama_frame());
     const core::Radiance a = ahead.cut(0.05f), b = back.cut(0.05f), truth = ahead.reference();

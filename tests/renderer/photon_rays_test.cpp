@@ -7,7 +7,7 @@ namespace {
 
 using test::FilmStage;
 
-TEST(PhotonRays, CountWhatAnAuditFollowsNowhere) {
+TEST(PhotonRays, CountWhatAnAuditFollowsNowhereSlow) {
     test::SceneBuilder b = test::furnished_room();
     b.move_object(2, {{1.2f, 0.6f, 1.5f}, {2.0f, 0.6f, 1.5f}});
     FilmStage stage(b);

@@ -38,7 +38,7 @@ SceneBuilder floor_and_lamp(float intensity) {
     return b;
 }
 
-TEST(Shade, LightsTheSeamsOfWalls) {
+TEST(Shade, LightsTheSeamsOfWallsSlow) {
     // Looked at from the middle of a room, the picture's diagonals run along the seams of its walls: each pixel there
     // is about as bright as the brighter of its neighbours on the two walls, and none is black.
     SceneBuilder b;
@@ -162,7 +162,7 @@ TEST(Shade, GrowsNearerToTheReferenceAsTheToleranceShrinksSlow) {
     EXPECT_LT(last_median, 0.01);
 }
 
-TEST(Shade, IsBrighterByExactlyWhatTheLightIs) {
+TEST(Shade, IsBrighterByExactlyWhatTheLightIsSlow) {
     const Settings settings = test::small_frame(8, 8);
     FilmStage one(furnished_room(5.0f), settings), four(furnished_room(20.0f), settings);
     for (const float tolerance : {0.02f, -1.0f}) {
@@ -273,7 +273,7 @@ TEST(Shade, ReplacesAndCountsWhatIsNotFinite) {
     EXPECT_EQ(stage.statistics().first_non_finite, "frame 0, pixel (7, 9)");
 }
 
-TEST(Shade, LayersAddUpToThePicture) {
+TEST(Shade, LayersAddUpToThePictureSlow) {
     SceneBuilder b = furnished_room();
     const int shiny = b.add_material({0.5f, 0.4f, 0.3f});
     b.material(shiny).roughness = 0.4f;

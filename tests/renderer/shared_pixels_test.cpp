@@ -87,7 +87,7 @@ TEST(PointsOfAPixel, TakeAboutAsManyRaysTogetherAsOneThatFillsItSlow) {
     EXPECT_GT(off_together, 0.4 * off) << off;
 }
 
-TEST(PointsOfAPixel, KeepBoundsTogether) {
+TEST(PointsOfAPixel, KeepBoundsTogetherSlow) {
     const Picture many = look(16, tolerance(), false);
     const Picture& exact = exact_of_many();
     // Rays err by a standard error of 1 / 1.3 of it, and cuts besides.
