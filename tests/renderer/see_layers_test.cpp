@@ -259,6 +259,23 @@ TEST(Mirrors, FacingEachOtherEndAtTheDepthOfTheSettings) {
     }
 }
 
+/// Their diffuse part has a shape, but reflects nothing: light gathered there would be for nobody.
+TEST(Mirrors, OfBlendersMetalsAreNoPlacesToGather) {
+    for (const auto model : {scene::SurfaceModel::principled_3, scene::SurfaceModel::principled_4}) {
+        SceneBuilder builder;
+        const int mirror = add_mirror(builder, {0.9f, 0.8f, 0.7f});
+        builder.material(mirror).model = model;
+        builder.material(mirror).diffuse_roughness = model == scene::SurfaceModel::principled_4 ? 0.5f : 0.0f;
+        add_wall(builder, -2, mirror);
+        builder.add_quad({50, -50, 2}, {-100, 0, 0}, {0, 100, 0}, builder.add_material());
+        builder.add_camera({0, 0, 0}, {0, 0, -1}, 0.2f);
+        Stage stage(builder, 16, 16);
+        const auto points = middle(stage.see(1));
+        ASSERT_EQ(points.size(), 1u);
+        EXPECT_TRUE(points[0].reached_by_specular());
+    }
+}
+
 TEST(SmoothDielectrics, MirrorAFewPercentOnce) {
     SceneBuilder builder;
     const int polished = builder.add_material({0.5f, 0.5f, 0.5f});

@@ -280,6 +280,8 @@ void SurfaceMaterials::fill(SurfacePoint& point, const SurfaceShape& shape, cons
     if (point.spreads) point.bsdf.shape = {};
     if (m.coat > 0.0f) add_coat(material, shape, cosine, point.bsdf);
     if (m.model != scene::SurfaceModel::gltf) keep_energy(point.bsdf, cosine);
+    // What neither part reflects needs no light, whatever shape it would have: a mirror of Blender's is left.
+    if (!point.bsdf.has_diffuse() && !point.bsdf.has_lobe()) point.bsdf.shape = {};
 }
 
 /// Applies the normal map, and turns everything to the viewer. `variance`: of the map's slopes within the footprint.
