@@ -405,7 +405,7 @@ def export(path, folder, texture_size, lines, last=-1, still=False):
     from film_export import lamps, limits, world
     from film_export.bakes import Bakes
     from film_export.baking import Baker
-    from film_export.cameras import Cameras
+    from film_export.cameras import Cameras, chapters
     from film_export.fields import Voxels
     from film_export.files import tell_missing
     from film_export.glb import Glb
@@ -427,6 +427,9 @@ def export(path, folder, texture_size, lines, last=-1, still=False):
     if last >= 0:  # a frame more, for what moves while it is exposed
         frames = frames[:math.ceil(last / RATES[rate] * own_rate - 1e-6) + 2]
         times = times[:len(frames)]
+    marks = chapters(scene, frames, times)
+    if marks:
+        film["chapters"] = marks
     format_of(scene, film, lost)
     look_of_film(scene, film, lost)
     if is_newer(bpy.data.version):

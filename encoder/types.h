@@ -10,6 +10,7 @@
 #include "core/motion_field.h"
 #include "core/picture.h"
 #include "core/rational.h"
+#include "encoder/timecode.h"
 
 /// The values that the encoder takes and gives; what is done with them is in encoder.h.
 namespace render2mpeg::encoder {
@@ -73,6 +74,19 @@ struct SphereBounds {
     bool operator==(const SphereBounds&) const = default;
 };
 
+/// Part of a film that players can go to.
+struct Chapter {
+    std::int64_t first = 0, end = 1;  ///< pictures from the film's first one; `end` lies behind it
+    std::string title;                ///< UTF-8
+};
+
+/// Words that are kept with a film.
+struct Labels {
+    std::string title;              ///< UTF-8; empty: none
+    std::optional<Timecode> start;  ///< of the first picture; none: its number in MPEG-2, midnight in masters' .mov
+    std::vector<Chapter> chapters = {};  ///< by `first`
+};
+
 /// Coding settings, constant over the film.
 struct Settings {
     Codec codec = Codec::mpeg2;
@@ -99,6 +113,7 @@ struct Settings {
     core::LightLevel light;  ///< of the whole film, where a container is told it
     std::optional<SphereBounds> sphere;  ///< the pictures are panoramas, which containers can say; none: flat ones
     core::FramePacking packing = core::FramePacking::none;  ///< likewise, and H.264 itself
+    Labels labels;                                          ///< for containers; MPEG-2 itself counts by the timecode
     bool alpha = false;                                     ///< pictures have it (core::Picture::alpha)
     int grain = 0;       ///< ISO of film grain, 0 for none; decoders of AV1 add it, other pictures come with it
     int level = 0;       ///< ten times the level of a library's codec: 41 is 4.1; 0: the lowest that holds the pictures

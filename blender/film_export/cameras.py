@@ -29,6 +29,16 @@ def cuts(scene, frames):
     return out
 
 
+def chapters(scene, frames, times):
+    """The animation file's, of markers that hold no camera; one before the film counts from its beginning."""
+    named = {}
+    for mark in sorted((m for m in scene.timeline_markers if not m.camera), key=lambda m: m.frame):
+        number = next((k for k, frame in enumerate(frames) if frame >= mark.frame), None)
+        if number is not None:
+            named[number] = mark.name
+    return [{"at": json_number(times[number]), "title": name} for number, name in named.items()]
+
+
 def panorama_of(data):
     """What Cycles knows of a panoramic camera."""
     return data if hasattr(data, "panorama_type") else data.cycles  # Blender 5 | before

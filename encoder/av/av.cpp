@@ -57,6 +57,17 @@ SequenceFacts sequence_of(const encoder::Settings& settings, std::span<const std
     return facts;
 }
 
+/// The film's labels as containers take them.
+void label(SequenceFacts& facts, const encoder::Settings& settings, std::string_view format) {
+    const encoder::Labels& labels = settings.labels;
+    // Editors count from the clock time of the first picture.
+    if (labels.start || (format == "mov" && encoder::facts_of(settings.codec).master))
+        facts.timecode = text_of(labels.start.value_or(encoder::Timecode()));
+    for (const encoder::Chapter& chapter : labels.chapters)
+        facts.chapters.push_back({encoder::fields_before(settings.cadence, chapter.first),
+                                  encoder::fields_before(settings.cadence, chapter.end), chapter.title});
+}
+
 /// Null where the ending is none of ours.
 const char* format_of(const std::filesystem::path& name) {
     const std::string ending = core::ending_of(name);
@@ -146,6 +157,20 @@ bool tells_immersive(const std::filesystem::path& name) {
     return format != nullptr && format_tells_immersive(format);
 }
 
+bool can_have_chapters(const std::filesystem::path& name) {
+    const char* format = format_of(name);
+    return format != nullptr && format_has_labels(format);
+}
+
+bool can_have_title(const std::filesystem::path& name) {
+    const char* format = format_of(name);
+    return can_have_chapters(name) || (format != nullptr && std::string_view(format) == "mpegts");
+}
+
+bool can_have_timecode(const std::filesystem::path& name, encoder::Codec codec) {
+    return can_have_chapters(name) || codec == encoder::Codec::mpeg2;
+}
+
 struct Muxer::Impl {
     std::filesystem::path file;
     ByteSink sink;  ///< empty: into the file
@@ -192,6 +217,7 @@ void Muxer::write(std::span<const std::uint8_t> bytes, std::int64_t display_numb
         // ones.
         facts.largest_picture = impl_->largest_picture > 0 ? impl_->largest_picture : 2 * bytes.size();
         impl_->decoding_delay = facts.decoding_delay;
+        label(facts, impl_->settings, impl_->format);
         if (impl_->settings.codec == encoder::Codec::gif)
             impl_->container = std::make_unique<GifFile>(impl_->file, facts.headers);
         else

@@ -21,6 +21,11 @@ bool is_film(const std::filesystem::path& file);
 /// Whether films of this ending can say that their pictures are panoramas, or for two eyes.
 bool tells_immersive(const std::filesystem::path& name);
 
+/// Whether films of this ending can have chapters; a title; and, of this codec, a timecode.
+bool can_have_chapters(const std::filesystem::path& name);
+bool can_have_title(const std::filesystem::path& name);
+bool can_have_timecode(const std::filesystem::path& name, encoder::Codec codec);
+
 /// Throws core::Error where players do not look for a codec in files of this ending.
 void check_container(const std::filesystem::path& name, encoder::Codec codec);
 

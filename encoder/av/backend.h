@@ -27,6 +27,11 @@ constexpr bool format_tells_immersive(std::string_view format) {
     return format == "mp4" || format == "matroska" || format == "webm";
 }
 
+/// Whether libavformat writes chapters, titles and timecodes in its `format`.
+constexpr bool format_has_labels(std::string_view format) {
+    return format == "mp4" || format == "mov" || format == "matroska" || format == "webm";
+}
+
 /// When a coded picture is shown and decoded, in fields from the film's beginning (encoder/cadence.h).
 struct Times {
     std::int64_t presentation = 0, decoding = 0, duration = 2;

@@ -3,9 +3,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "core/rational.h"
+#include "encoder/types.h"
 
 /// Reads a container's facts about an MPEG-2 stream from the headers before its first picture.
 namespace render2mpeg::av {
@@ -23,7 +25,9 @@ struct SequenceFacts {
     int color_primaries = 2;  ///< [H262, tables 6-7 to 6-9]; 2: not said
     int transfer_characteristics = 2;
     int matrix_coefficients = 2;
-    std::size_t largest_picture = 0;  ///< bytes; not in the stream: known or estimated by who writes it
+    std::size_t largest_picture = 0;              ///< bytes; not in the stream: known or estimated by who writes it
+    std::string timecode;                         ///< likewise; empty: none
+    std::vector<encoder::Chapter> chapters = {};  ///< likewise, by fields in place of pictures
 };
 
 /// Reads the sequence header, sequence extension and sequence display extension at the start of `picture`

@@ -260,6 +260,31 @@ TEST(Muxer, TellsHowPicturesHoldThoseOfTwoEyes) {
             }
 }
 
+TEST(Muxer, KeepsTitleTimecodeAndChapters) {
+    const Folder folder;
+    CodedFilm film = coded_film(folder, 64, 48, "29.97", 12, "-g 4 -bf 0 -q:v 8");
+    film.settings.labels = {
+        "Café, second cut", encoder::Timecode{1, 2, 3, 4, true}, {{0, 3, "Morning"}, {3, 8, "Noon"}, {8, 12, "Night"}}};
+    for (const char* name : {"film.mp4", "film.mov", "film.mkv", "film.ts", "film.mpg"}) {
+        ASSERT_TRUE(av::can_have_timecode(name, encoder::Codec::mpeg2));
+        const fs::path file = film.mux(folder / name);
+        const av::StreamFacts told = av::inspect(file).stream;
+        const bool has = av::can_have_chapters(name);
+        EXPECT_EQ(told.title, has ? "Café, second cut" : "") << name;
+        EXPECT_EQ(told.timecode, has ? "01:02:03;04" : "") << name;
+        EXPECT_EQ(told.chapters, has ? 3 : 0) << name;
+        EXPECT_EQ(decoded(file).size(), 12u) << name;
+        const std::string text = run("ffprobe -v error -show_chapters -show_programs " + file.string()).output;
+        EXPECT_EQ(text.find("service_name=Café, second cut") != std::string::npos, std::string_view(name) == "film.ts");
+        if (!has) continue;
+        EXPECT_NE(text.find("title=Noon"), std::string::npos) << text;
+        EXPECT_NE(text.find("start_time=0.100"), std::string::npos) << text;
+        EXPECT_NE(text.find("end_time=0.40"), std::string::npos) << text;
+    }
+    EXPECT_FALSE(av::can_have_timecode("film.ts", encoder::Codec::h264));
+    EXPECT_FALSE(av::can_have_title("film.gif"));
+}
+
 TEST(Muxer, KnowsItsKindsByTheirEndings) {
     for (const char* name : {"a.mpg", "b.MPG", "c.mpeg", "d.vob", "dir.x/e.ts", "f.m2v", "g.mkv", "h.Mp4"})
         EXPECT_TRUE(av::is_film(name)) << name;

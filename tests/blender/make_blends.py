@@ -211,6 +211,8 @@ def markers():
         camera.data.shift_x, camera.data.shift_y = 0.02 * (frame - 1), -0.01 * (frame - 1)
         marker = scene.timeline_markers.new(f"Cut {frame}", frame=frame)
         marker.camera = camera
+    for name, frame in {"Before": -20, "Dawn": 0, "Noon": 7, "Behind": 40}.items():
+        scene.timeline_markers.new(name, frame=frame)
 
 
 def write_clap():

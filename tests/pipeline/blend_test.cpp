@@ -174,6 +174,10 @@ TEST(BlendFileSlow, BecomesAFilmWithItsRateSizeShotsAndInstances) {
     EXPECT_EQ(film["shots"][1]["camera"], "Shot 5");
     EXPECT_NEAR(film["shots"][1]["at"].get<double>(), 4.0 / 24, 1e-6);
     EXPECT_TRUE(film["cameras"]["Shot 9"].contains("height")) << "it is parallel";
+    ASSERT_EQ(film["chapters"].size(), 2u) << "of markers without cameras those within the film";
+    EXPECT_EQ(film["chapters"][0], json({{"at", 0}, {"title", "Dawn"}}));
+    EXPECT_EQ(film["chapters"][1]["title"], "Noon");
+    EXPECT_NEAR(film["chapters"][1]["at"].get<double>(), 6.0 / 24, 1e-6);
 
     ASSERT_EQ(run(program() + " plan --within 0 " + path(folder, "instances.blend")).status, 0);
     film = json::parse(contents(export_of(folder / "instances.blend") / "film.json"));

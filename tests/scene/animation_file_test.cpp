@@ -365,6 +365,16 @@ TEST_F(AnimationFile, CutsShowAnotherCameraFromTheirFrameOn) {
     EXPECT_EQ(a.cameras[0].name, "b");  // in the order of the file
 }
 
+TEST_F(AnimationFile, ChaptersBeginAtTheirFrames) {
+    const Animation a = film(R"({"objects": [{"shape": "box"}], "seconds": 2, "frame_rate": "25",
+        "chapters": [{"at": 0.4, "title": "One"}, {"at": 1, "title": "Two"}]})");
+    ASSERT_EQ(a.chapters.size(), 2u);
+    EXPECT_EQ(a.chapters[0].frame, 10);
+    EXPECT_EQ(a.chapters[1].title, "Two");
+    expect_complaint(R"({"chapters": [{"at": 1, "title": "One"}, {"at": 1, "title": "Two"}]})",
+                     {"chapters[1].at", "a frame later"});
+}
+
 TEST_F(AnimationFile, ThingsAppearAndVanish) {
     Animation a = film(
         R"({"objects": [{"shape": "box", "keys": [{"at": 0, "visible": false}, {"at": 1, "visible": true}, {"at": 2, "visible": false}]},

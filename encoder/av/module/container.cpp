@@ -57,13 +57,7 @@ class File final : public Container {
         context_.reset(context);
         context->flags |= AVFMT_FLAG_BITEXACT;  // no dates, no versions, no random identifiers
         context->max_delay = 700000;  // microseconds that data may wait before its decoding: ffmpeg's own choice
-        if (std::strcmp(format, "mpegts") == 0) {  // a transport stream has to name its service; others would keep tags
-            av_dict_set(&context->metadata, "service_provider", "render2mpeg", 0);
-            av_dict_set(&context->metadata, "service_name", "render2mpeg", 0);
-        }
-        // Editors count from the clock time of the first picture.
-        if (std::strcmp(format, "mov") == 0 && encoder::facts_of(settings.codec).master)
-            av_dict_set(&context->metadata, "timecode", "00:00:00:00", 0);
+        label(settings, facts, messages);
         describe_stream(settings, facts, messages);
         if (!sound.file.empty()) sound_ = std::make_unique<SoundTrack>(sound, *context, settings.codec);
 
@@ -157,6 +151,35 @@ class File final : public Container {
 
     void check(int result, const Messages& messages) const {
         if (result < 0) throw core::Error("writing", file_, cause_of(result, messages));
+    }
+
+    /// Words about the film that its format keeps.
+    void label(const encoder::Settings& settings, const SequenceFacts& facts, const Messages& messages) {
+        const auto set = [&](const char* key, const std::string& value) {
+            check(av_dict_set(&context_->metadata, key, value.c_str(), 0), messages);
+        };
+        const std::string& title = settings.labels.title;
+        const std::string_view format = context_->oformat->name;
+        if (format == "mpegts") {  // a transport stream has to name its service; others would keep tags
+            set("service_provider", "render2mpeg");
+            set("service_name", title.empty() ? "render2mpeg" : title);
+        }
+        if (!format_has_labels(format)) return;
+        if (!title.empty()) set("title", title);
+        if (!facts.timecode.empty()) set("timecode", facts.timecode);
+        if (facts.chapters.empty()) return;
+        context_->chapters = static_cast<AVChapter**>(av_calloc(facts.chapters.size(), sizeof(AVChapter*)));
+        if (context_->chapters == nullptr) check(AVERROR(ENOMEM), messages);
+        for (const encoder::Chapter& chapter : facts.chapters) {
+            auto* added = static_cast<AVChapter*>(av_mallocz(sizeof(AVChapter)));
+            if (added == nullptr) check(AVERROR(ENOMEM), messages);
+            context_->chapters[context_->nb_chapters++] = added;
+            added->id = context_->nb_chapters;
+            added->time_base = field_;
+            added->start = chapter.first;
+            added->end = chapter.end;
+            check(av_dict_set(&added->metadata, "title", chapter.title.c_str(), 0), messages);
+        }
     }
 
     void describe_stream(const encoder::Settings& settings, const SequenceFacts& facts, const Messages& messages) {

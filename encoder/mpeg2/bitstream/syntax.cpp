@@ -88,14 +88,16 @@ void write_sequence(BitWriter& out, const Settings& settings, const Level& level
 
 void write_gop(BitWriter& out, const Settings& settings, std::int64_t first_number, bool closed) {
     const std::int64_t per_second = std::llround(declared_rate(settings).hertz.value());
-    const std::int64_t frame = fields_before(settings.cadence, first_number) / 2, seconds = frame / per_second;
+    const std::int64_t from = settings.labels.start ? settings.first_number : 0;
+    const Timecode time = later(settings.labels.start.value_or(Timecode()),
+                                fields_before(settings.cadence, first_number - from) / 2, static_cast<int>(per_second));
     out.start_code(gop_start);
-    out.put(0, 1);  // drop_frame_flag
-    out.put(static_cast<std::uint32_t>(seconds / 3600 % 24), 5);
-    out.put(static_cast<std::uint32_t>(seconds / 60 % 60), 6);
+    out.put(time.drops ? 1 : 0, 1);  // drop_frame_flag
+    out.put(static_cast<std::uint32_t>(time.hours), 5);
+    out.put(static_cast<std::uint32_t>(time.minutes), 6);
     out.put(1, 1);  // marker
-    out.put(static_cast<std::uint32_t>(seconds % 60), 6);
-    out.put(static_cast<std::uint32_t>(frame % per_second), 6);
+    out.put(static_cast<std::uint32_t>(time.seconds), 6);
+    out.put(static_cast<std::uint32_t>(time.frames), 6);
     out.put(closed ? 1 : 0, 1);  // closed_gop
     out.put(0, 1);               // broken_link
     out.align();

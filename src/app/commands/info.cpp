@@ -208,6 +208,9 @@ std::string stream_lines(const std::string& name, const av::Inspection& film) {
     text += fmt::format("  container  {}, {} stream{}\n", s.container, s.streams, s.streams == 1 ? "" : "s");
     if (s.sphere) text += sphere_text(*s.sphere);
     if (s.packing != core::FramePacking::none) text += fmt::format("  eyes       two, {}\n", core::name_of(s.packing));
+    if (!s.title.empty()) text += fmt::format("  title      {}\n", s.title);
+    if (!s.timecode.empty()) text += fmt::format("  timecode   {}\n", s.timecode);
+    if (s.chapters > 0) text += fmt::format("  chapters   {}\n", s.chapters);
     text += fmt::format("  pictures   {}, {:.0f} kb/s", size_text(bytes), 8e-3 * ratio_of(bytes, seconds));
     if (s.bit_rate > 0) text += fmt::format("; declared: {:.0f} kb/s", 1e-3 * static_cast<double>(s.bit_rate));
     if (s.buffer_bits > 0) text += fmt::format(", buffer of {} bits", s.buffer_bits);
@@ -336,6 +339,9 @@ json json_of(const std::string& name, const av::Inspection& film, bool summary) 
         {"max_fall", or_null(s.light.mean, s.light.most > 0)},
         {"panorama", s.sphere ? json{s.sphere->left, s.sphere->top, s.sphere->right, s.sphere->bottom} : json()},
         {"stereo", s.packing != core::FramePacking::none ? json(std::string(core::name_of(s.packing))) : json()},
+        {"title", text_or_null(s.title)},
+        {"timecode", text_or_null(s.timecode)},
+        {"chapters", s.chapters},
         {"busiest_second", busiest_second(film)},
         {"max_rate", or_null(s.bit_rate, s.bit_rate > 0)},
         {"vbv_bits", or_null(s.buffer_bits, s.buffer_bits > 0)},

@@ -67,6 +67,7 @@ void change_rate(scene::Animation& animation, const core::FrameRate& from, const
         volume.more_files = std::move(more);
     }
     for (scene::Shot& shot : animation.shots) shot.frame = rescaled(shot.frame);
+    for (scene::Chapter& chapter : animation.chapters) chapter.frame = rescaled(chapter.frame);
     if (animation.first_frame) animation.first_frame = rescaled(*animation.first_frame);
     if (animation.last_frame)
         animation.last_frame = std::max(animation.first_frame.value_or(0), rescaled(*animation.last_frame + 1) - 1);
@@ -372,7 +373,10 @@ RenderJob prepare(const RenderOptions& wanted) {
     film.rendering.transparent = animation->transparent;
 
     film.coding = coding_settings(options.coding, of_all, film.frames.first, options.output, film.view);
-    if (film.kind == OutputKind::film) describe_view(*loaded, options, film.coding);
+    if (film.kind == OutputKind::film) {
+        describe_view(*loaded, options, film.coding);
+        set_chapters(*loaded, options, film.frames, film.coding.labels);
+    }
     film.coding.grain = options.grain.value_or(animation->grain);
     film.coding.alpha = film.kind == OutputKind::film && film.has_alpha();
     film.rendering.mattes = options.layers || film.has_alpha() || has_alpha_beside(film, options);

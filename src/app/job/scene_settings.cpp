@@ -216,11 +216,10 @@ void tell_shape(scene::Animation& animation, Size size) {
 namespace {
 
 /// Tells of the film and those beside it which of their files cannot say something.
-void tell_silent(scene::Animation& animation, const RenderOptions& options, const char* what, auto&& says) {
+void tell_silent(scene::Animation& animation, const RenderOptions& options, const std::string& what, auto&& says) {
     const auto tell = [&](const std::filesystem::path& file, encoder::Codec codec) {
         if (!file.empty() && !says(file, codec))
-            animation.notes.push_back(fmt::format("{}: such files cannot say that they are {}; .mp4, .mkv and .webm do",
-                                                  file.string(), what));
+            animation.notes.push_back(fmt::format("{}: such files {}", file.string(), what));
     };
     if (!options.output.empty()) tell(options.output, codec_of(options.coding, options.output));
     for (const auto& [subject, file] : options.side_films)
@@ -248,16 +247,17 @@ std::optional<encoder::SphereBounds> sphere_of(scene::Animation& animation, cons
         return std::nullopt;
     }
     if (!first.is_panorama()) return std::nullopt;
-    tell_silent(animation, options, "panoramas",
+    tell_silent(animation, options, "cannot say that they are panoramas; .mp4, .mkv and .webm do",
                 [](const std::filesystem::path& file, encoder::Codec) { return av::tells_immersive(file); });
     return bounds_of(first.window);
 }
 
 core::FramePacking packing_of(scene::Animation& animation, const RenderOptions& options) {
     if (animation.stereo == core::FramePacking::none) return animation.stereo;
-    tell_silent(animation, options, "for two eyes", [](const std::filesystem::path& file, encoder::Codec codec) {
-        return av::tells_immersive(file) || codec == encoder::Codec::h264;
-    });
+    tell_silent(animation, options, "cannot say that they are for two eyes; .mp4, .mkv and .webm do",
+                [](const std::filesystem::path& file, encoder::Codec codec) {
+                    return av::tells_immersive(file) || codec == encoder::Codec::h264;
+                });
     return animation.stereo;
 }
 
@@ -266,6 +266,20 @@ core::FramePacking packing_of(scene::Animation& animation, const RenderOptions& 
 void describe_view(scene::Animation& animation, const RenderOptions& options, encoder::Settings& coding) {
     coding.sphere = sphere_of(animation, options);
     coding.packing = packing_of(animation, options);
+}
+
+void set_chapters(scene::Animation& animation, const RenderOptions& options, const FrameRange& frames,
+                  encoder::Labels& labels) {
+    const std::vector<scene::Chapter>& all = animation.chapters;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        const std::int64_t first = std::max(all[i].frame, frames.first),
+                           end = std::min(i + 1 < all.size() ? all[i + 1].frame : frames.last + 1, frames.last + 1);
+        if (first < end)
+            labels.chapters.push_back({first - frames.first, end - frames.first, core::printable(all[i].title)});
+    }
+    const auto can = [](const std::filesystem::path& file, encoder::Codec) { return av::can_have_chapters(file); };
+    if (!labels.chapters.empty())
+        tell_silent(animation, options, "have no chapters; .mp4, .mov, .mkv and .webm have", can);
 }
 
 void describe_view(const EncodeOptions& options, encoder::Settings& coding) {

@@ -31,6 +31,10 @@ void describe_view(scene::Animation& animation, const RenderOptions& options, en
 /// eyes'.
 void describe_view(const EncodeOptions& options, encoder::Settings& coding);
 
+/// The scene's chapters, as far as these frames show them; notes where files cannot have any.
+void set_chapters(scene::Animation& animation, const RenderOptions& options, const FrameRange& frames,
+                  encoder::Labels& labels);
+
 /// --shutter, --f-stop, --focus, --fog, --glare and --transparent win over the scene. Throws UsageError for
 /// contradictions.
 void change_scene(scene::Animation& animation, const RenderOptions& options);

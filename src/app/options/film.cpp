@@ -17,6 +17,7 @@
 #include "encoder/av/av.h"
 #include "encoder/av/coders.h"
 #include "encoder/av/levels.h"
+#include "encoder/cadence.h"
 #include "encoder/capabilities.h"
 #include "encoder/codec.h"
 #include "perceptual/display.h"
@@ -350,6 +351,35 @@ encoder::Codec ViewAndCodec::codec_in(const std::filesystem::path& output) const
     return view.is_hdr() && can && !encoder::facts_of(usual).has_more_than_8_bits() ? encoder::Codec::hevc : usual;
 }
 
+namespace {
+
+encoder::Labels labels_of(const CodingOptions& options, const encoder::Settings& coding,
+                          const std::filesystem::path& output) {
+    encoder::Labels labels;
+    labels.title = options.title.value_or("");
+    if (core::printable(labels.title) != labels.title)
+        throw UsageError("--title: expected a line of UTF-8 without control codes");
+    if (!labels.title.empty() && !av::can_have_title(output))
+        throw UsageError("--title: " + output.string() + " has none; .mp4, .mov, .mkv, .webm and .ts have");
+    if (!options.timecode) return labels;
+    if (!av::can_have_timecode(output, coding.codec))
+        throw UsageError("--timecode: " + output.string() + " has none; .mp4, .mov, .mkv, .webm and MPEG-2 have");
+    const core::FrameRate rate = encoder::declared_rate(coding);
+    const auto per_second = static_cast<int>(std::lround(rate.hertz.value()));
+    const bool can_drop = rate.hertz.den == 1001 && (rate.hertz.num == 30000 || rate.hertz.num == 60000);
+    labels.start = encoder::timecode_from(*options.timecode, per_second, can_drop);
+    if (!labels.start)
+        throw UsageError(
+            fmt::format("--timecode {}: expected HH:MM:SS:FF before 24:00:00:00, with FF below {}, the "
+                        "pictures per second{}",
+                        *options.timecode, per_second,
+                        can_drop ? "; with `;` before FF, no number that drop-frame leaves out"
+                                 : "; `;` before FF is for 29.97 and 59.94"));
+    return labels;
+}
+
+}  // namespace
+
 encoder::Settings coding_settings(const CodingOptions& options, const Shape& shape, std::int64_t first,
                                   const std::filesystem::path& output, const core::View& view) {
     encoder::Settings coding;
@@ -381,6 +411,7 @@ encoder::Settings coding_settings(const CodingOptions& options, const Shape& sha
     coding.matrix_coefficients = static_cast<int>(perceptual::matrix_for(shape.size.height));
     if (output.empty() || av::is_film(output)) declare_colors(coding, view);
     if (const Preset* preset = preset_of(options)) apply(*preset, options, coding);
+    if (av::is_film(output)) coding.labels = labels_of(options, coding, output);
     return coding;
 }
 

@@ -19,7 +19,7 @@ namespace {
 
 using Rows = std::vector<OptionRow>;
 constexpr const char *scene = "Scene", *picture = "Picture and time", *light = "Light", *coding = "Coding",
-                     *sound = "Sound", *run = "Run", *tried = "What is tried", *farm = "Farm",
+                     *sound = "Sound and labels", *run = "Run", *tried = "What is tried", *farm = "Farm",
                      *target = "What is to be reached (one of these)";
 
 template <auto read>
@@ -302,6 +302,13 @@ Rows product_rows(CommandLine& line) {
         {"--audio-offset", sound, &o.coding.audio_offset,
          "Seconds after frame 0 at which the sound begins; below 0 its beginning is cut off", range(-1e5, 1e5), Shown(),
          Idle::uncoded},
+        {"--title", sound, &o.coding.title, "Title of the film, in .mp4, .mov, .mkv and .webm, and of a .ts's service",
+         "TEXT", Idle::uncoded},
+        {"--timecode", sound, &o.coding.timecode,
+         "Timecode of the first picture, in .mp4, .mov, .mkv, .webm and all MPEG-2; `;` before FF: drop-frame, at "
+         "29.97 "
+         "and 59.94 (default: 00:00:00:00)",
+         "HH:MM:SS:FF", Idle::uncoded},
         {"--stats", run, &o.stats, "Write statistics as JSON (docs/json.md)", "FILE.json", Idle::always},
         {"--report", run, &o.report,
          "Write a page about the render, with plots, for any browser, and its figures as JSON beside it "

@@ -88,7 +88,7 @@ const std::string accuracy_options = "--tolerance --loss --masking --clamp --cac
 const std::string coding_options = "--for --quantiser --codec --level --crf ";
 const std::string rate_options = "--quality --bitrate --cbr --maxrate --vbv --passes ";
 const std::string group_options = "--gop --b-pictures --tune --encoder --keyframes ";
-const std::string sound_options = "--audio --audio-offset ";
+const std::string label_options = "--audio --audio-offset --title --timecode ";
 const std::string film_options =
     picture_options + light_options + accuracy_options + coding_options + rate_options + group_options;
 const std::string product_options =
@@ -101,7 +101,7 @@ const std::vector<CommandRow> commands{
      "The ending of OUT chooses what is written: .mpg and .vob (MPEG-2 program streams), .ts, .m2v, .mkv, .webm, .gif, "
      ".mp4, .mov; .y4m; or numbered images, e.g. frames.%04d.exr or frames.%04d.png.\n"
      "Example: render2mpeg render animations/cornell -o cornell.mpg --quantiser 6",
-     scene_options + "--output@render --as --preview --effort " + film_options + sound_options + product_options +
+     scene_options + "--output@render --as --preview --effort " + film_options + label_options + product_options +
          "--resume --dry-run --within --overwrite --quiet --verbose --progress"},
     {"encode", "Encode frames and motion of any renderer",
      "Motion: OpenEXR files with the number of their frame, as `render --aov` writes them (docs/coding.md).\n"
@@ -110,7 +110,7 @@ const std::vector<CommandRow> commands{
      "--display-aspect --pixel-aspect --exposure@encode --view@encode --grain@encode --peak@encode "
      "--transparent@encode --motion "
      "--motion-convention " +
-         coding_options + rate_options + group_options + sound_options +
+         coding_options + rate_options + group_options + label_options +
          "--threads --stats --overwrite --quiet --progress"},
     {"plan", "Show what a film will take, which passes its scene calls for, and why",
      "Example: render2mpeg plan scene.glb --within 1m",
@@ -138,7 +138,7 @@ const std::vector<CommandRow> commands{
          "--output@tune --target-psnr --target-ssim --of --target-bitrate --max-size --max-time --sample@tune "
          "--references@tune " +
          picture_options + light_options + accuracy_options + coding_options + "--quality --maxrate --vbv " +
-         group_options + sound_options + trial_options + "--dry-run@tune --progress"},
+         group_options + label_options + trial_options + "--dry-run@tune --progress"},
     {"compare", "Compare with rendering first and encoding with ffmpeg then",
      "Lights a sample of the film coupled to its coding and by a fixed 2 %, codes the latter by this program, by "
      "ffmpeg as people use it and by its strongest command, and holds all against reference light "
@@ -160,7 +160,7 @@ const std::vector<CommandRow> commands{
      "(docs/machines.md).\n"
      "Example: render2mpeg farm scene.glb -o film.mpg --to slurm --parts 8 --submit",
      scene_options + "--output@farm --to --parts --frames-per-part --pack --submit --effort " + film_options +
-         sound_options + product_options + "--overwrite --quiet --verbose --progress"},
+         label_options + product_options + "--overwrite --quiet --verbose --progress"},
     {"part", "Make one part of a film that `farm` has planned",
      "Goes on where a try before was ended, and waits while another one makes the same part. Exit status: 0 the "
      "part is whole; 1 it failed, and another try may do better; 3 this machine, this version or the inputs are "

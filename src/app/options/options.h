@@ -73,7 +73,7 @@ inline constexpr int usual_gop = 60;
 
 /// Coding options of `render` and `encode`.
 struct CodingOptions {
-    std::optional<std::string> codec, preset, keyframes, audio;
+    std::optional<std::string> codec, preset, keyframes, audio, title, timecode;
     std::optional<int> level;                           ///< ten times its number
     std::optional<std::int64_t> bitrate, maxrate, vbv;  ///< bits per second; bits
     std::optional<core::Rational> display_aspect, pixel_aspect;

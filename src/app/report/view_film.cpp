@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "encoder/av/coders.h"
+#include "encoder/cadence.h"
 #include "encoder/codec.h"
 
 namespace render2mpeg::app {
@@ -38,6 +39,9 @@ encoder::Settings settings_of(const std::string& word, const std::filesystem::pa
     shape.aspect_ratio_code = film.coding.aspect_ratio_code;
     encoder::Settings coding = coding_settings(options, shape, film.frames.first, output, view);
     coding.grain = film.coding.grain;
+    coding.labels = film.coding.labels;
+    const core::Rational rate = encoder::declared_rate(coding).hertz;  // pulldown has another
+    if (!(rate == encoder::declared_rate(film.coding).hertz)) coding.labels.start.reset();
     coding.sphere = film.coding.sphere;
     coding.packing = film.coding.packing;
     coding.alpha = facts.has_alpha() && film.is_transparent();

@@ -14,7 +14,7 @@ inline const Keys film = core::words_in(
     "cameras shots "
     "lights objects materials change sound view shutter shutter_phase rolling_shutter glare grain fog transparent "
     "stereo "
-    "volumes");
+    "volumes chapters");
 inline const Keys fog = core::words_in("visibility color anisotropy height falloff bounces");
 inline const Keys volume = core::words_in(
     "name file more frames first_frame size node position rotate scale visible keys interpolation loop density color "
@@ -30,6 +30,7 @@ inline const Keys stereo =
     core::words_in("interocular_distance convergence_distance convergence pivot spherical pole_merge");
 inline const Keys camera_key = core::words_in("at position look_at rotate roll fov f_stop focus");
 inline const Keys shot = core::words_in("at camera");
+inline const Keys chapter = core::words_in("at title");
 inline const Keys light = core::words_in(
     "name kind color intensity range position look_at rotate angle softness falloff elevation azimuth size radius "
     "power "

@@ -183,6 +183,17 @@ void read_shape(const JsonValue& value, Animation& film) {
     }
 }
 
+void read_chapters(const JsonValue& chapters, Animation& film, const FilmClock& clock) {
+    for (const JsonValue& value : chapters.list(1, 10000)) {
+        value.allow_only(animation_file_keys::chapter);
+        const JsonValue at = value.need("at");
+        const std::int64_t frame = std::llround(clock.seconds(at) * clock.rate);
+        if (!film.chapters.empty() && frame <= film.chapters.back().frame)
+            at.fail("must be at least a frame later than the chapter before");
+        film.chapters.push_back({frame, value.need("title").text()});
+    }
+}
+
 }  // namespace
 
 Animation load_animation_file(const fs::path& given, const LoadOptions& options, const LoadScene& load_scene) {
@@ -212,6 +223,7 @@ Animation load_animation_file(const fs::path& given, const LoadOptions& options,
     if (const auto v = value.find("sky")) looks.read_sky(*v);
     focus_on_objects(value, film);
     if (const auto v = value.find("shots")) read_shots(*v, film, clock);
+    if (const auto v = value.find("chapters")) read_chapters(*v, film, clock);
     if (const auto v = value.find("closed_glass_is_solid"); v && v->boolean())
         for (Material& material : film.materials)
             if (material.transmission > 0 && material.thickness == Thickness::thin)

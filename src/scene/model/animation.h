@@ -65,6 +65,12 @@ struct Shot {
     int camera = 0;
 };
 
+/// A part of the film that players can go to, from `frame` on.
+struct Chapter {
+    std::int64_t frame = 0;
+    std::string title;  ///< UTF-8
+};
+
 /// A scene with all its motion: plain data, constant after loading.
 struct Animation {
     std::string source;  ///< the file the user named
@@ -83,7 +89,8 @@ struct Animation {
     Sky sky;
     int stage = -1;  ///< object: the floor that default light adds, which exposure looks past; -1: none
     std::vector<Track> tracks;
-    std::vector<Shot> shots;  ///< by frame; empty: camera 0 throughout
+    std::vector<Shot> shots;        ///< by frame; empty: camera 0 throughout
+    std::vector<Chapter> chapters;  ///< by frame
 
     /// Subtracted from world positions before they are rounded to single precision, so that far scenes lose no digits.
     glm::dvec3 origin{0};
