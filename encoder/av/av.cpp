@@ -93,10 +93,11 @@ class GifFile final : public Container {
         put(header);
     }
     void write(const AccessUnit& unit, const Times&, bool) override { put(unit.pictures); }
-    void finish() override {
+    std::optional<Loudness> finish() override {
         put({gif_trailer});
         stream_.close();
         check();
+        return {};
     }
 
   private:
@@ -236,9 +237,9 @@ void Muxer::write(std::span<const std::uint8_t> bytes, std::int64_t display_numb
         impl_->container->write({{}, {bytes.begin(), bytes.end()}, {}}, times, starts_gop);
 }
 
-void Muxer::finish() {
+std::optional<Loudness> Muxer::finish() {
     if (!impl_->container) throw core::Error("writing", impl_->file.string(), "there are no pictures to write");
-    impl_->container->finish();
+    return impl_->container->finish();
 }
 
 void decode(const std::filesystem::path& file, const std::function<void(const core::Picture&)>& picture) {

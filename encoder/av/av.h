@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "core/picture.h"
@@ -70,9 +71,9 @@ class Muxer {
     /// full.
     void write(std::span<const std::uint8_t> bytes, std::int64_t display_number, std::int64_t coding_order,
                bool starts_gop);
-    /// Writes trailers and closes. Without it the file is not whole. Throws core::Error, also for a film without
-    /// pictures.
-    void finish();
+    /// Writes trailers and closes. Without it the file is not whole. Returns how loud the sound is; none: silent.
+    /// Throws core::Error, also for a film without pictures.
+    std::optional<Loudness> finish();
 
   private:
     struct Impl;

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -43,7 +44,8 @@ class Container {
     virtual ~Container() = default;
     /// Pictures and alpha; headers it has from the sequence's facts.
     virtual void write(const AccessUnit& unit, const Times& times, bool random_access) = 0;
-    virtual void finish() = 0;
+    /// Returns how loud its sound is; none: silent.
+    virtual std::optional<Loudness> finish() = 0;
 };
 
 /// How a library's encoder is to code a picture.

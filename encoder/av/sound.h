@@ -18,6 +18,12 @@ struct Sound {
 /// Bits per second and channel of AAC, and of other sound. chosen: rates at which listeners find no fault with each.
 inline constexpr int aac_rate = 96'000, other_rate = 128'000;
 
+/// How loud a film's sound is. [BS1770]
+struct Loudness {
+    double integrated = 0;  ///< LUFS
+    double true_peak = 0;   ///< dB of full scale: highest between samples, too; finite
+};
+
 /// Whether the kind of film that a name's ending tells can have sound: all but .m2v.
 bool can_have_sound(const std::filesystem::path& film);
 

@@ -285,6 +285,34 @@ TEST(Muxer, KeepsTitleTimecodeAndChapters) {
     EXPECT_FALSE(av::can_have_title("film.gif"));
 }
 
+TEST(Muxer, TellsHowLoudTheSoundIs) {
+    const Folder folder;
+    const CodedFilm film = coded_film(folder, 64, 48, "25", 4, "-bf 0 -q:v 8");
+    const auto loudness = [&](const char* name, const std::string& tone, double offset) {
+        const fs::path wav = folder / "tone.wav";
+        const auto made = run("ffmpeg -v error -y -f lavfi -i \"aevalsrc='" + tone + "|" + tone +
+                              "':s=48000:d=3\" -c:a pcm_s24le " + wav.string());
+        EXPECT_EQ(made.status, 0) << made.output;
+        av::Muxer muxer(folder / name, name, film.settings, film.largest, av::ProgramStream::plain,
+                        {wav, offset, 3, false, 2});
+        std::int64_t order = 0;
+        for (const CodedPicture& p : film.pictures) muxer.write(p.bytes, p.display_number, order++, p.starts_gop);
+        return muxer.finish();
+    };
+    // Case 1 of EBU Tech 3341: both channels a sine of 1 kHz, 23 dB below full scale.
+    for (const char* name : {"film.mpg", "film.mp4"}) {  // samples of whole numbers and of floats
+        const auto found = loudness(name, "pow(10,-23/20)*sin(2*PI*1000*t)", 0);
+        ASSERT_TRUE(found) << name;
+        EXPECT_NEAR(found->integrated, -23, 0.1) << name;
+        EXPECT_NEAR(found->true_peak, -23, 0.1) << name;
+        // Gating leaves out the silence before it.
+        EXPECT_NEAR(loudness(name, "pow(10,-23/20)*sin(2*PI*1000*t)", 1)->integrated, -23, 0.3) << name;
+    }
+    // At a quarter of the rate, an eighth of a turn late, all samples are 3 dB below the peak.
+    EXPECT_NEAR(loudness("film.mpg", "0.1*sin(2*PI*12000*t+PI/4)", 0)->true_peak, -20, 0.3);
+    EXPECT_FALSE(loudness("film.mpg", "0", 0));
+}
+
 TEST(Muxer, KnowsItsKindsByTheirEndings) {
     for (const char* name : {"a.mpg", "b.MPG", "c.mpeg", "d.vob", "dir.x/e.ts", "f.m2v", "g.mkv", "h.Mp4"})
         EXPECT_TRUE(av::is_film(name)) << name;

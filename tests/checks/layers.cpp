@@ -50,6 +50,7 @@ const std::vector<Library>& libraries() {
         {"libpng", {"png.h"}, "src/image/", 1},
         {"libjpeg", {"jpeglib.h"}, "src/image/", 1},
         {"FFmpeg", {"libav", "libsw"}, "encoder/av/", 2},
+        {"libebur128", {"ebur128.h"}, "encoder/av/", 1},
         {"TBB", {"tbb/", "oneapi/"}, "src/parallel/", 2},
         {"Assimp", {"assimp/"}, "src/scene/assimp/", 3},
         {"Draco", {"draco/"}, "src/scene/module/", 1},

@@ -94,10 +94,10 @@ class File final : public Container {
         check(context_->pb->error, messages);
     }
 
-    void finish() override {
+    std::optional<Loudness> finish() override {
         const Messages messages;
         EXPECTS(context_->pb != nullptr);
-        if (sound_) sound_->finish();
+        const std::optional<Loudness> loudness = sound_ ? sound_->finish() : std::nullopt;
         check(av_write_trailer(context_.get()), messages);
         // libavformat leaves out what ends a program stream [H222, 2.5.3.2: MPEG_program_end_code]. A DVD's ends with
         // its last sector.
@@ -107,6 +107,7 @@ class File final : public Container {
         const int closed = close(*context_);
         check(error, messages);
         check(closed, messages);
+        return loudness;
     }
 
   private:

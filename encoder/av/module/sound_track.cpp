@@ -24,7 +24,7 @@ constexpr int pcm_frame = 1024;
 }  // namespace
 
 SoundTrack::SoundTrack(const Sound& sound, AVFormatContext& container, encoder::Codec codec)
-    : file_(sound.file.string()), container_(container), source_(file_) {
+    : file_(sound.file.string()), container_(container), source_(file_), meter_(source_.channels(), SoundSource::rate) {
     if (!packet_) check(AVERROR(ENOMEM));
     total_ = std::llround(sound.seconds * SoundSource::rate);
     open_encoder(codec_for(container, codec, sound.ac3));
@@ -104,15 +104,17 @@ void SoundTrack::write_until(double seconds) {
         const Frame frame = silent_frame(encoder_->frame_size > 0 ? frame_size_ : static_cast<int>(there));
         check(av_audio_fifo_read(samples_.get(), reinterpret_cast<void**>(frame->extended_data),
                                  static_cast<int>(there)));
+        meter_.add(*frame, static_cast<int>(there));
         frame->pts = encoded_;
         encoded_ += there;
         encode(frame.get());
     }
 }
 
-void SoundTrack::finish() {
+std::optional<Loudness> SoundTrack::finish() {
     write_until(static_cast<double>(total_) / SoundSource::rate);
     encode(nullptr);
+    return meter_.loudness();
 }
 
 /// Encodes a frame; null: flushes the encoder.

@@ -1,9 +1,11 @@
 #pragma once
 // Encodes a film's sound into a stream of its container, with libavcodec.
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "encoder/av/module/ffmpeg.h"
+#include "encoder/av/module/loudness_meter.h"
 #include "encoder/av/module/sound_source.h"
 #include "encoder/av/sound.h"
 
@@ -20,8 +22,8 @@ class SoundTrack {
     std::int64_t bit_rate() const { return encoder_->bit_rate; }
     /// Writes what sounds before this instant of the film, and a little more.
     void write_until(double seconds);
-    /// Writes the rest.
-    void finish();
+    /// Writes the rest. Returns how loud all of it is before it is coded; none: silent.
+    std::optional<Loudness> finish();
 
   private:
     void check(int result) const;
@@ -36,6 +38,7 @@ class SoundTrack {
     AVFormatContext& container_;
     AVStream* stream_ = nullptr;
     SoundSource source_;
+    LoudnessMeter meter_;
     Decoder encoder_;
     AudioFifo samples_;
     std::int64_t skipped_ = 0;  ///< samples of the file's beginning that are still to be left out

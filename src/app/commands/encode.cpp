@@ -453,7 +453,7 @@ RunFacts encode_to_file(Job& job, const EncodeOptions& options, const std::strin
     job.film.coding.light = statistics.light;
     const Published published = publish(files, job.film, work, options.output, complete);
     if (complete) work.remove();
-    return {command, input_name(options), published.name.string(), published.bytes, complete};
+    return {command, input_name(options), published.name.string(), published.bytes, complete, published.loudness};
 }
 
 RunFacts encode_to_stream(Job& job, const EncodeOptions& options, const std::string& command,

@@ -143,8 +143,8 @@ std::vector<Doubt> doubts_of(const Wishes& wishes) {
 
 }  // namespace
 
-void assemble(std::span<const ChunkFile> chunks, const Film& film, const std::filesystem::path& file,
-              const std::filesystem::path& name) {
+std::optional<av::Loudness> assemble(std::span<const ChunkFile> chunks, const Film& film,
+                                     const std::filesystem::path& file, const std::filesystem::path& name) {
     std::size_t largest = 0;
     for (const ChunkFile& chunk : chunks)
         for (const PictureRecord& picture : chunk.pictures()) largest = std::max<std::size_t>(largest, picture.bytes);
@@ -158,7 +158,7 @@ void assemble(std::span<const ChunkFile> chunks, const Film& film, const std::fi
         copy_chunk(chunk, muxer, film.coding.codec, film.frames.first, coded_before, &chunk == &chunks.back());
         coded_before += static_cast<std::int64_t>(chunk.pictures().size());
     }
-    muxer.finish();
+    return muxer.finish();
 }
 
 void check_reachable(const std::filesystem::path& file) {
@@ -211,19 +211,21 @@ void check_apart(const std::vector<Files>& inputs, const std::vector<Files>& out
 Published publish(std::span<const ChunkFile> chunks, const Film& film, WorkFolder& work,
                   const std::filesystem::path& output, bool complete) {
     const std::filesystem::path file = work.begin("film" + output.extension().string());
-    assemble(chunks, film, file, output);
+    const std::optional<av::Loudness> loudness = assemble(chunks, film, file, output);
     verify(file, chunks);
-    return complete ? give_name(file, output) : published_at(file);
+    Published published = complete ? give_name(file, output) : published_at(file);
+    published.loudness = loudness;
+    return published;
 }
 
 Published published_at(const std::filesystem::path& file) {
     std::error_code error;
-    return {file, std::filesystem::file_size(file, error)};
+    return {file, std::filesystem::file_size(file, error), {}};
 }
 
 Published give_name(const std::filesystem::path& file, const std::filesystem::path& output) {
     std::error_code error;
-    const Published whole{output, std::filesystem::file_size(file, error)};
+    const Published whole{output, std::filesystem::file_size(file, error), {}};
     if (is_written_to(output)) {
         std::ifstream from(file, std::ios::binary);
         write_into(output, from);

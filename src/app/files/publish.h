@@ -14,9 +14,9 @@
 
 namespace render2mpeg::app {
 
-/// Joins chunks to a film in the format of `name`'s ending.
-void assemble(std::span<const ChunkFile> chunks, const Film& film, const std::filesystem::path& file,
-              const std::filesystem::path& name);
+/// Joins chunks to a film in the format of `name`'s ending. Returns how loud its sound is; none: silent.
+std::optional<av::Loudness> assemble(std::span<const ChunkFile> chunks, const Film& film,
+                                     const std::filesystem::path& file, const std::filesystem::path& name);
 
 /// A file, or the files of a numbered sequence. An empty name is passed over.
 struct Files {
@@ -39,6 +39,7 @@ void check_apart(const std::vector<Files>& inputs, const std::vector<Files>& out
 struct Published {
     std::filesystem::path name;
     std::uint64_t bytes = 0;
+    std::optional<av::Loudness> loudness = {};  ///< none: silent
 };
 
 /// Assembles and verifies the film, then renames it; an incomplete one stays in the work folder. Pipes and devices are

@@ -256,6 +256,7 @@ bool publish_all(const OpenRender& open, bool complete, RunFacts& facts, const s
         facts.bytes = film_file.bytes;
         facts.output = film_file.name.string();
         facts.complete = complete;
+        facts.loudness = film_file.loudness;
     });
     bool all_written = complete && open.side_films.finish() && published;
     errors.attempt([&] { open.side_films.rethrow(); });

@@ -257,6 +257,9 @@ json common_of(const Film& film, const RunStatistics& statistics, const RunFacts
             {"gop", coding.gop},
             {"grain", coding.grain},
             {"grain_bits", grain_bits_of(statistics.grain)},
+            {"loudness",
+             facts.loudness ? json{{"integrated", facts.loudness->integrated}, {"true_peak", facts.loudness->true_peak}}
+                            : json()},
             {"seconds", seconds_of(statistics)},
             {"peak_rss_mib", peak_memory_mib()},
             {"counts", json_of(statistics.rendering)},

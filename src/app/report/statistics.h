@@ -31,8 +31,9 @@ std::vector<Effect> effects_of(const RenderJob& film, const RunStatistics& stati
 struct RunFacts {
     std::string command;
     std::string input, output;
-    std::uint64_t bytes = 0;  ///< of the output file; 0 for image sequences
-    bool complete = true;     ///< false: interrupted
+    std::uint64_t bytes = 0;                    ///< of the output file; 0 for image sequences
+    bool complete = true;                       ///< false: interrupted
+    std::optional<av::Loudness> loudness = {};  ///< of the film's sound; none: silent, or a stream
 };
 
 /// Largest resident memory of this process so far, MiB.

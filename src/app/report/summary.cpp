@@ -121,12 +121,16 @@ void add_quantisers(SummaryLines& lines, const Film& film, const RunStatistics& 
 }
 
 /// Results of a coded film. `made`: processing of its pictures before coding.
-void add_coding(SummaryLines& lines, const Film& film, const RunStatistics& statistics, const char* made) {
+void add_coding(SummaryLines& lines, const Film& film, const RunStatistics& statistics, const RunFacts& facts,
+                const char* made) {
     add_rate(lines, film, statistics);
     add_quantisers(lines, film, statistics);
     lines.push_back({"quality", fmt::format("decoded against {}: PSNR-Y {:.2f} dB, SSIM-Y {:.4f}", made,
                                             statistics.psnr_y(), statistics.ssim_y())});
     if (statistics.pumping()) lines.back().text += fmt::format(", pumping {:.2f}", *statistics.pumping());
+    if (facts.loudness)
+        lines.push_back({"sound", fmt::format("{:.1f} LUFS, true peak {:.1f} dB", facts.loudness->integrated,
+                                              facts.loudness->true_peak)});
     const GrainBits& grain = statistics.grain;
     if (grain.pictures > 0)
         lines.push_back({"grain", fmt::format("{:.0f} bytes a picture, {} of the bits of the first {:.0f}",
@@ -245,7 +249,7 @@ std::string summary(const RenderJob& film, const RunStatistics& statistics, cons
     add_seconds(lines, "effects", effects);
     if (film.audit > 0) add_audit(lines, statistics.audit);
     add_light_loss(lines, film, statistics.light_loss());
-    if (film.kind == OutputKind::film) add_coding(lines, film.film(), statistics, "rendered");
+    if (film.kind == OutputKind::film) add_coding(lines, film.film(), statistics, facts, "rendered");
     return text_of(film_line(film.film(), statistics, facts), lines);
 }
 
@@ -255,7 +259,7 @@ std::string encode_summary(const Film& film, const RunStatistics& statistics, co
     if (const std::uint64_t count = statistics.rendering.non_finite; count > 0)
         lines.push_back(
             {"frames", fmt::format("{} value{} not finite and became 0", count, count == 1 ? " was" : "s were")});
-    add_coding(lines, film, statistics, "the frames given");
+    add_coding(lines, film, statistics, facts, "the frames given");
     return text_of(film_line(film, statistics, facts), lines);
 }
 
