@@ -271,6 +271,35 @@ TEST(Encode, FilmsHaveAnyRateAndShapeWhereTheirCodecsDoSlow) {
     EXPECT_NE(refused.output.find("MPEG-2 has"), std::string::npos) << refused.output;
 }
 
+TEST(Encode, OddFramesAreShownWithTheirLastColumnAndRowTwice) {
+    const Folder folder;
+    const std::string y4m = inside(folder, "odd.y4m");
+    ASSERT_EQ(run("ffmpeg -v error -f lavfi -i testsrc2=s=64x48:r=25 -vf format=yuv444p,crop=63:47:0:0:exact=1 "
+                  "-frames:v 3 -strict -1 " +
+                  y4m)
+                  .status,
+              0);
+    const auto made = run(program() + " encode " + y4m + " -o " + inside(folder, "film.mkv") + " --codec ffv1");
+    ASSERT_EQ(made.status, 0) << made.output;
+    EXPECT_NE(made.output.find("63x47"), std::string::npos) << made.output;
+    EXPECT_NE(made.output.find("64x48"), std::string::npos) << made.output;
+    const auto raw = [&](const std::string& file, const std::string& filter) {
+        return run("ffmpeg -v error -i " + file + " -vf " + filter + ",format=gray -f rawvideo -").output;
+    };
+    const std::string film = inside(folder, "film.mkv");
+    const std::string whole = raw(film, "extractplanes=y,crop=63:47:0:0:exact=1");
+    ASSERT_EQ(whole.size(), 3u * 63 * 47);
+    EXPECT_EQ(whole, raw(y4m, "extractplanes=y"));
+    EXPECT_EQ(raw(film, "extractplanes=y,crop=1:48:63:0"), raw(film, "extractplanes=y,crop=1:48:62:0"));
+    EXPECT_EQ(raw(film, "extractplanes=y,crop=64:1:0:47"), raw(film, "extractplanes=y,crop=64:1:0:46"));
+    // MPEG-2 has odd sides.
+    ASSERT_EQ(run(program() + " encode --quiet " + y4m + " -o " + inside(folder, "film.mpg")).status, 0);
+    EXPECT_EQ(ffprobe(inside(folder, "film.mpg")).value("width", 0), 63);
+    const auto planned = run(program() + " plan --within 0 --size 63x47 -o film.mp4 " + support::plain_film());
+    EXPECT_NE(planned.output.find("63x47: H.264 has even sides; pictures have 64x48"), std::string::npos)
+        << planned.output;
+}
+
 TEST(Encode, InfiniteLightIsWhite) {
     const Folder folder;
     constexpr int side = 64;

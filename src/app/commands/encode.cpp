@@ -136,7 +136,8 @@ Job prepare(const EncodeOptions& options) {
     if (has_pipe) motion_pipe = std::make_unique<MotionPipe>(*options.motion);
     const encoder::Codec codec = codec_of(options.coding, options.output);
     const bool alpha = encoder::facts_of(codec).has_alpha() && options.transparent != "off";
-    const FilmSignals signals{{}, view, chroma_of(codec, view), alpha};
+    const bool even_sides = codec != encoder::Codec::mpeg2 && !options.motion;
+    const FilmSignals signals{{}, view, chroma_of(codec, view), alpha, even_sides};
     job.frames = open_frames(options.input, options.exposure, options.frames, signals, shared);
     encoder::Settings& coding = job.film.coding;
     const Preset* preset = preset_of(options.coding);
@@ -413,6 +414,7 @@ class ChunkFiles : public LoopObserver {
 
 void print_notes(const Job& job, const EncodeOptions& options) {
     std::vector<std::string> notes = unused_options(options);
+    notes.push_back(job.frames->note());
     notes.push_back(unused_keyframes(job.film.keyframes, job.film.frames));
     if (!job.frames->is_open_ended()) notes.push_back(keyframes_without_chapter(job.film));
     if (!job.motion) notes.emplace_back("no --motion: vectors are searched for");
@@ -430,10 +432,7 @@ void tell(const Job& job, const EncodeOptions& options, RunStatistics& statistic
     if (!options.quiet)
         errors.attempt([&] {
             const std::string text = encode_summary(job.film, statistics, facts);
-            if (options.as)
-                print_lines(text);
-            else
-                print(text);
+            options.as ? print_lines(text) : print(text);
         });
     if (!facts.complete && !options.quiet)
         print_line(job.frames->is_open_ended() ? fmt::format("interrupted after {} frames", statistics.frames.size())

@@ -307,14 +307,22 @@ void settle_tolerance(RenderJob& film, const RenderOptions& options) {
 }
 
 /// The shape of one eye's pictures; of drafts they are of half the size, or the least that their codec takes.
-Shape shape_of_eye(const RenderJob& film, const RenderOptions& options, const scene::Animation& animation) {
+Shape shape_of_eye(const RenderJob& film, const RenderOptions& options, scene::Animation& animation) {
     const Preset* preset = preset_of(options.coding);
     if (preset != nullptr) preset->check_output(options.output);
     ShapeWishes wishes = wishes_of(options, animation);
-    const Shape shape = settle_shape(wishes, preset);
-    if (!film.preview || options.size || options.effort || preset != nullptr) return shape;
+    Shape shape = settle_shape(wishes, preset);
     std::optional<encoder::Codec> codec;
     if (film.kind == OutputKind::film) codec = codec_of(options.coding, options.output);
+    const Size even{shape.size.width + shape.size.width % 2, shape.size.height + shape.size.height % 2};
+    if (codec && codec != encoder::Codec::mpeg2 && area_of(even) > area_of(shape.size)) {
+        animation.notes.push_back(fmt::format("{}x{}: {} has even sides; pictures have {}x{}", shape.size.width,
+                                              shape.size.height, encoder::facts_of(*codec).name, even.width,
+                                              even.height));
+        wishes.size = even;
+        shape = settle_shape(wishes, preset);
+    }
+    if (!film.preview || options.size || options.effort || preset != nullptr) return shape;
     // DNxHR has the matrix of 720 lines and more alone.
     const double least = codec == encoder::Codec::dnxhr ? 720.0 / shape.size.height : 0.0;
     wishes.size = scaled(shape.size, std::max(0.5, least), codec);

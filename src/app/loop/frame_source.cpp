@@ -118,7 +118,8 @@ class ImageFrames : public FrameSource {
         const image::Image first = read_image(frames_.first);
         size_ = {first.pixels.width(), first.pixels.height()};
         has_alpha_ = film.alpha && first.has_alpha;
-        matrix_ = film.matrix.value_or(perceptual::matrix_for(size_.height, film.view));
+        const int height = size_.height + (film.even_sides ? size_.height % 2 : 0);
+        matrix_ = film.matrix.value_or(perceptual::matrix_for(height, film.view));
         display_.emplace(exposure.value_or(0.0f), matrix_, film.view, chroma_);
         // Files that know no other shape say square pixels.
         if (first.pixel_aspect > 0.001f && first.pixel_aspect < 1000 && first.pixel_aspect != 1)
@@ -199,14 +200,48 @@ class ImageFrames : public FrameSource {
     std::atomic<std::uint64_t> non_finite_ = 0;
 };
 
-/// chosen: 2: frames of many packed channels take several times as long to read as to code.
-constexpr std::size_t readers = 2;
+/// Frames of odd sides, with their last column or row once more.
+class EvenFrames : public FrameSource {
+  public:
+    explicit EvenFrames(std::unique_ptr<FrameSource> odd) : odd_(std::move(odd)) {
+        size_ = {odd_->size().width + odd_->size().width % 2, odd_->size().height + odd_->size().height % 2};
+        frames_ = odd_->frames();
+        is_open_ended_ = odd_->is_open_ended();
+        has_alpha_ = odd_->has_alpha();
+        rate_ = odd_->rate();
+        pixel_aspect_ = odd_->pixel_aspect();
+    }
+    std::optional<core::Picture> read(std::int64_t frame) override {
+        std::optional<core::Picture> picture = odd_->read(frame);
+        if (!picture) return picture;
+        extend(picture->y);
+        for (core::Plane<float>* plane : {&picture->luma, &picture->full_cb, &picture->full_cr, &picture->alpha})
+            extend(*plane);
+        return picture;
+    }
+    std::uint64_t non_finite() const override { return odd_->non_finite(); }
+    std::string note() const override {
+        return fmt::format("frames of {}x{}: sides are even, so the last column or row is shown twice, {}x{}",
+                           odd_->size().width, odd_->size().height, size_.width, size_.height);
+    }
 
-}  // namespace
+  private:
+    template <class Value>
+    void extend(core::Plane<Value>& plane) const {
+        if (plane.empty()) return;
+        core::Plane<Value> larger(size_.width, size_.height);
+        for (int y = 0; y < size_.height; ++y)
+            for (int x = 0; x < size_.width; ++x)
+                larger.at(x, y) = plane.at(std::min(x, plane.width() - 1), std::min(y, plane.height() - 1));
+        plane = std::move(larger);
+    }
 
-std::unique_ptr<FrameSource> open_frames(const std::filesystem::path& input, std::optional<float> exposure,
-                                         const std::optional<FrameRange>& wanted, const FilmSignals& film,
-                                         std::shared_ptr<SharedChannels> shared) {
+    std::unique_ptr<FrameSource> odd_;
+};
+
+std::unique_ptr<FrameSource> open_as_they_are(const std::filesystem::path& input, std::optional<float> exposure,
+                                              const std::optional<FrameRange>& wanted, const FilmSignals& film,
+                                              std::shared_ptr<SharedChannels> shared) {
     if (input == "-") {
         if (exposure) throw core::Error("exposure: the frames of standard input are as a display shows them");
         return std::make_unique<PipedFrames>(wanted, film.chroma);
@@ -225,6 +260,19 @@ std::unique_ptr<FrameSource> open_frames(const std::filesystem::path& input, std
         throw core::Error("reading", input.string(),
                           "numbered images need one frame number in their name, e.g. frames.%04d" + ending);
     return std::make_unique<ImageFrames>(input, exposure, wanted, film, std::move(shared));
+}
+
+/// chosen: 2: frames of many packed channels take several times as long to read as to code.
+constexpr std::size_t readers = 2;
+
+}  // namespace
+
+std::unique_ptr<FrameSource> open_frames(const std::filesystem::path& input, std::optional<float> exposure,
+                                         const std::optional<FrameRange>& wanted, const FilmSignals& film,
+                                         std::shared_ptr<SharedChannels> shared) {
+    std::unique_ptr<FrameSource> frames = open_as_they_are(input, exposure, wanted, film, std::move(shared));
+    const bool is_odd = frames->size().width % 2 != 0 || frames->size().height % 2 != 0;
+    return film.even_sides && is_odd ? std::make_unique<EvenFrames>(std::move(frames)) : std::move(frames);
 }
 
 FramesAhead::FramesAhead(FrameSource& frames, const Chunk& chunk, const encoder::Settings& coding)

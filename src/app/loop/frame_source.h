@@ -5,6 +5,7 @@
 #include <future>
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "app/loop/motion_source.h"
 #include "app/loop/run_statistics.h"
@@ -23,6 +24,7 @@ class FrameSource {
   public:
     virtual ~FrameSource() = default;
 
+    /// Of what read() gives, which may be larger than the frames.
     Size size() const { return size_; }
     /// All frames, without a gap; of an open-ended source the most there may be.
     FrameRange frames() const { return frames_; }
@@ -37,6 +39,8 @@ class FrameSource {
     virtual std::optional<core::Picture> read(std::int64_t frame) = 0;
     /// Non-finite values that became 0 so far.
     virtual std::uint64_t non_finite() const { return 0; }
+    /// A line about what read() adds to the frames; empty: nothing.
+    virtual std::string note() const { return {}; }
 
   protected:
     Size size_;
@@ -50,7 +54,8 @@ struct FilmSignals {
     std::optional<perceptual::ColorMatrix> matrix = {};  ///< none: by the pictures' height
     core::View view = {};                                ///< of scene-linear images
     perceptual::Chroma chroma = perceptual::Chroma::halved;
-    bool alpha = false;  ///< it has that of its images; else they are over black
+    bool alpha = false;       ///< it has that of its images; else they are over black
+    bool even_sides = false;  ///< the last column or row of frames with odd ones is shown twice
 };
 
 /// Opens `-` (Y4M from standard input), `film.y4m`, `frames.%04d.exr` (scene-linear, developed with `exposure` EV,
