@@ -4,16 +4,9 @@
 #include <optional>
 #include <string>
 
+#include "encoder/types.h"
+
 namespace render2mpeg::encoder {
-
-/// Clock time of a picture. [SMPTE12]
-struct Timecode {
-    int hours = 0, minutes = 0, seconds = 0, frames = 0;
-    /// At 29.97 and 59.94: each minute but every tenth lacks its first 2 or 4 numbers, so that clocks agree.
-    bool drops = false;
-
-    bool operator==(const Timecode&) const = default;
-};
 
 /// "01:00:00:00", with `;` before the frames where numbers are dropped.
 std::string text_of(const Timecode& time);

@@ -10,7 +10,6 @@
 #include "core/motion_field.h"
 #include "core/picture.h"
 #include "core/rational.h"
-#include "encoder/timecode.h"
 
 /// The values that the encoder takes and gives; what is done with them is in encoder.h.
 namespace render2mpeg::encoder {
@@ -72,6 +71,15 @@ struct SphereBounds {
     double left = 0, top = 0, right = 0, bottom = 0;
 
     bool operator==(const SphereBounds&) const = default;
+};
+
+/// Clock time of a picture (encoder/timecode.h). [SMPTE12]
+struct Timecode {
+    int hours = 0, minutes = 0, seconds = 0, frames = 0;
+    /// At 29.97 and 59.94: each minute but every tenth lacks its first 2 or 4 numbers, so that clocks agree.
+    bool drops = false;
+
+    bool operator==(const Timecode&) const = default;
 };
 
 /// Part of a film that players can go to.

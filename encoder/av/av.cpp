@@ -16,6 +16,7 @@
 #include "encoder/av/inspect.h"
 #include "encoder/cadence.h"
 #include "encoder/codec.h"
+#include "encoder/timecode.h"
 
 namespace render2mpeg::av {
 namespace {

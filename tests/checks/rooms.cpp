@@ -65,7 +65,7 @@ const std::vector<Building>& buildings() {
          {{"mpeg2", {}, {"core", "parallel"}},
           {"av", {own_level, "mpeg2"}, {"core"}},
           {"example", {own_level}, {"core"}}},
-         {"types", "cadence"}},
+         {"types", "cadence", "timecode"}},
         {"encoder/mpeg2/",
          "encoder/mpeg2/",
          {{"bitstream", {}, {"core"}},

@@ -223,7 +223,13 @@ class InspectedFilm {
             if (eyes->type == AV_STEREO3D_SIDEBYSIDE) s.packing = core::FramePacking::side_by_side;
             if (eyes->type == AV_STEREO3D_TOPBOTTOM) s.packing = core::FramePacking::top_bottom;
         }
-        const auto tag = [&](const AVDictionary* tags, const char* name) -> std::string {
+        read_labels(s);
+        s.bit_rate = decoder_->rc_max_rate;
+        s.buffer_bits = decoder_->rc_buffer_size;
+    }
+
+    void read_labels(StreamFacts& s) const {
+        const auto tag = [](const AVDictionary* tags, const char* name) -> std::string {
             const AVDictionaryEntry* entry = av_dict_get(tags, name, nullptr, 0);
             return entry == nullptr ? "" : entry->value;
         };
@@ -231,8 +237,6 @@ class InspectedFilm {
         s.timecode = tag(film_.input->metadata, "timecode");
         if (s.timecode.empty()) s.timecode = tag(film_.stream->metadata, "timecode");
         s.chapters = static_cast<int>(film_.input->nb_chapters);
-        s.bit_rate = decoder_->rc_max_rate;
-        s.buffer_bits = decoder_->rc_buffer_size;
     }
 
     std::string file_;

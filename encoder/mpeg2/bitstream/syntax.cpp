@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "encoder/mpeg2/bitstream/codes.h"
+#include "encoder/timecode.h"
 
 namespace render2mpeg::encoder {
 namespace mpeg2 {

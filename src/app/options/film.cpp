@@ -20,6 +20,7 @@
 #include "encoder/cadence.h"
 #include "encoder/capabilities.h"
 #include "encoder/codec.h"
+#include "encoder/timecode.h"
 #include "perceptual/display.h"
 
 namespace render2mpeg::app {

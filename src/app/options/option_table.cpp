@@ -302,8 +302,7 @@ Rows product_rows(CommandLine& line) {
         {"--audio-offset", sound, &o.coding.audio_offset,
          "Seconds after frame 0 at which the sound begins; below 0 its beginning is cut off", range(-1e5, 1e5), Shown(),
          Idle::uncoded},
-        {"--title", sound, &o.coding.title, "Title of the film, in .mp4, .mov, .mkv and .webm, and of a .ts's service",
-         "TEXT", Idle::uncoded},
+        {"--title", sound, &o.coding.title, "Title of the film: .mp4, .mov, .mkv, .webm, .ts", "TEXT", Idle::uncoded},
         {"--timecode", sound, &o.coding.timecode,
          "Timecode of the first picture, in .mp4, .mov, .mkv, .webm and all MPEG-2; `;` before FF: drop-frame, at "
          "29.97 "
