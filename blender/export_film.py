@@ -473,7 +473,7 @@ def export(path, folder, texture_size, lines, last=-1, still=False):
               if thing.kind == "LIGHT" and not (far and thing.light.type == "SUN")]
     if any(lights):
         film["lights"] = film.get("lights", []) + [light for light in lights if light]
-    limits.tell(scene, walk, materials, lost)
+    limits.tell(scene, walk, materials, film, lost)
     strengths.write(film, times)
     for name in materials.holes:
         film.setdefault("materials", {}).setdefault(name, {})["holdout"] = True

@@ -35,7 +35,7 @@ def layers_of(walk, materials):
     return count
 
 
-def tell(scene, walk, materials, lost):
+def tell(scene, walk, materials, film, lost):
     cycles = getattr(scene, "cycles", None)
     if cycles is None or scene.render.engine.startswith(("BLENDER_EEVEE", "BLENDER_WORKBENCH")):
         return
@@ -50,6 +50,8 @@ def tell(scene, walk, materials, lost):
            for name in ("max_bounces", "diffuse_bounces", "glossy_bounces", "transmission_bounces") if getattr(cycles, name) < FEWEST]
     if few:
         lost.add(scene, f"{', '.join(few)}: the film has more light")
+    if cycles.volume_bounces < FEWEST and any(np.max(volume.get("color", 0)) > 0 for volume in film.get("volumes", [])):
+        lost.add(scene, f"{cycles.volume_bounces} volume bounces; the film has light that volumes scatter more often, too")
     if getattr(cycles, "use_fast_gi", False):
         lost.add(scene, "fast global illumination, an approximation; the film has the light itself")
     if not cycles.caustics_refractive and any(look.refracts for look, _ in materials.looks.values()):

@@ -13,6 +13,7 @@ LOST = {
     "TEX_COORD": ({"Camera", "Window", "Reflection"}, PLACE),
     "VECT_TRANSFORM": (None, "turns by the camera; baked without it"),
     "AMBIENT_OCCLUSION": (None, OTHERS),
+    "BEVEL": (None, "is chosen by random rays; baked, some 3 % brighter or darker"),
     "OBJECT_INFO": ({"Random"}, MAKER),
     "PARTICLE_INFO": (None, MAKER),
     "HAIR_INFO": (None, MAKER),
