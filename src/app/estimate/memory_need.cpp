@@ -87,6 +87,16 @@ std::uint64_t codec_memory(const RenderJob& film, std::uint64_t pixels) {
             return (std::uint64_t{54} << 20) + 760 * pixels;
         case encoder::Codec::ffv1:
             return (std::uint64_t{4} << 20) + 220 * pixels;
+        case encoder::Codec::vp9:  // alpha is a second stream
+            return film.coding.alpha ? (std::uint64_t{28} << 20) + 170 * pixels
+                                     : (std::uint64_t{14} << 20) + 60 * pixels;
+        case encoder::Codec::gif:
+            return (std::uint64_t{1} << 20) + (film.coding.alpha ? 240 : 40) * pixels;
+        case encoder::Codec::prores4444:
+        case encoder::Codec::prores4444xq:
+            return (film.coding.alpha ? 240 : 22) * pixels;
+        case encoder::Codec::dnxhr:
+            return 10 * pixels;
         default:
             return 0;
     }
