@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Ends renders at random moments by KILL, TERM and INT and goes on with them: every kind of output must come out with the
-bytes of an undisturbed run, leave nothing else behind and never hang. Tells how long a signal took to end a render.
+"""Ends renders, encodings and a farm's parts and joins at random moments by KILL, TERM and INT and goes on with them: every kind of
+output must come out with the bytes of an undisturbed run, leave nothing else behind and never hang. Tells how long a signal took.
 
-usage: bench/signals.py PROGRAM [SIGNALS [SEED]]"""
+usage: bench/signals.py PROGRAM [SIGNALS [SEED [KIND ...]]]"""
 import json, os, pathlib, random, signal, subprocess, sys, tempfile, time
 
 FRAMES, GOP = 80, 41
@@ -15,6 +15,7 @@ SCENE = {
                 {"name": "box", "shape": "box", "keys": [{"at": 0, "position": [0, 0, 0]}, {"at": 3, "position": [1, 0, 0]}]}],
     "frames": FRAMES}
 STILL = {**SCENE, "objects": [{"name": "floor", "shape": "plane", "size": [6, 6]}, {"name": "box", "shape": "box"}]}
+WITH_ALL_LIGHT = ("mpg", "hevc", "layers", "light", "pipe")  # others are drafts, for more signals
 # name: ending, options, whether things stand still
 OUTPUTS = {
     "mpg": (".mpg", "", False), "m2v": (".m2v", "", True), "ts": (".ts", "", False), "vob": (".vob", "", False),
@@ -22,6 +23,9 @@ OUTPUTS = {
     "av1": (".mkv", "--codec av1", True), "y4m": (".y4m", "", False), "exr": (".%04d.exr", "", True),
     "png": (".%04d.png", "", False), "layers": (".mpg", "--aov {folder}/layers/", True),
     "passes": (".mpg", "--bitrate 200k", False), "light": (".mpg", "--light-cache {folder}/film.light", True),
+    "webm": (".webm", "", False), "gif": (".gif", "", False), "prores": (".mov", "--codec prores", False),
+    "ffv1": (".mkv", "--codec ffv1", False), "lossless": (".mkv", "--codec h264_lossless", True),
+    "encode": (".mp4", "", False), "join": (".mp4", "", False),
     "stats": (".mpg", "--stats {folder}/film.json --chunks-at-once 2", False), "pipe": (".mpg", "", False)}
 
 
@@ -35,20 +39,40 @@ class Kind:
         self.whole = self.finish("whole")
         self.seconds = time.monotonic() - begin
 
-    def command(self, folder):
-        return ([self.program, "render", str(self.scene), "-o", str(folder / ("film" + self.ending)), "-y", "--resume", "--size",
-                 "64x64" if self.name == "av1" else "48x32", "--samples", "1", "--gop", str(GOP), "--threads", random.choice("12")]
+    def settings(self, folder):
+        return ([str(self.scene), "-o", str(folder / ("film" + self.ending)), "--size", "64x64" if self.name == "av1" else "48x32",
+                 "--samples", "1", "--gop", str(GOP), "--effort", "default" if self.name in WITH_ALL_LIGHT else "draft"]
                 + self.options.format(folder=folder).split())
+
+    def commands(self, folder):
+        """Whatever is given makes the film, one behind the other; each goes on where it was ended."""
+        threads = ["--threads", random.choice("12")]
+        if self.name == "encode":
+            return [[self.program, "encode", str(self.frames()), "-o", str(folder / "film.mp4"), "-y", "--gop", str(GOP)] + threads]
+        if self.name == "join":
+            plan = str(folder / "film.mp4.farm")
+            return [[self.program, "part", plan, part] + threads for part in "12"] + [[self.program, "join", plan]]
+        return [[self.program, "render", *self.settings(folder), "-y", "--resume", *threads]]
+
+    def frames(self):
+        """Uncompressed pictures, made once."""
+        file = self.base / "frames.y4m"
+        if not file.exists():
+            subprocess.run([self.program, "render", str(self.scene), "-o", str(file), "--size", "320x180", "--samples", "1",
+                            "--effort", "draft", "--quiet"], check=True)
+        return file
 
     def make(self, name):
         folder = self.base / self.name / name
         folder.mkdir(parents=True)
         if self.name == "layers": (folder / "layers").mkdir()
         if self.name == "pipe": os.mkfifo(folder / "film.mpg")
+        if self.name == "join":
+            subprocess.run([self.program, "farm", *self.settings(folder), "--to", "parallel", "--parts", "2"], check=True, capture_output=True)
         return folder
 
-    def start(self, folder):
-        return subprocess.Popen(self.command(folder), stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+    def start(self, command):
+        return subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                                 start_new_session=True, preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
 
     def told(self, process, seconds):
@@ -67,17 +91,18 @@ class Kind:
     def finish(self, name):
         folder = self.base / self.name / name
         if not folder.exists(): self.make(name)
-        process = self.start(folder)
         read = None
-        if self.name == "pipe":
-            read = subprocess.Popen(["cat", str(folder / "film.mpg")], stdout=open(folder / "read", "wb"))
-        text = self.told(process, 300)
-        if read: read.wait(60)
-        if process.returncode: raise SystemExit(f"{self.name}: {process.returncode}: {text}")
-        self.count(text)
+        for command in self.commands(folder):
+            process = self.start(command)
+            if self.name == "pipe":
+                read = subprocess.Popen(["cat", str(folder / "film.mpg")], stdout=open(folder / "read", "wb"))
+            text = self.told(process, 300)
+            if read: read.wait(60)
+            if process.returncode: raise SystemExit(f"{self.name}: {process.returncode}: {text}")
+            self.count(text)
         found = {}
         for file in sorted(folder.rglob("*")):
-            if file.is_fifo() or file.is_dir(): continue
+            if file.is_fifo() or file.is_dir() or "film.mp4.farm" in file.parts: continue
             # Later runs may add more light; statistics have times.
             found[str(file.relative_to(folder))] = b"" if file.suffix in (".light", ".json") else file.read_bytes()
         if any("partial" in name or ".tmp" in name for name in found): raise SystemExit(f"{self.name}: litter: {list(found)}")
@@ -87,14 +112,16 @@ class Kind:
         folder = self.make(name)
         ended = 0
         for _ in range(most):
-            process = self.start(folder)
+            # A join before its parts says that they are not whole.
+            process = self.start(random.choice(self.commands(folder)))
             time.sleep(random.uniform(0, self.seconds if self.name != "pipe" else 2 * self.seconds))
             which = random.choice([signal.SIGKILL, signal.SIGTERM, signal.SIGINT])
             process.send_signal(which)
             sent = time.monotonic()
             text = self.told(process, 60)
             self.count(text)
-            if process.returncode == 0: break
+            if process.returncode == 0 and self.name != "join": break
+            if self.name == "join" and process.returncode in (0, 1): continue
             self.ends.append(time.monotonic() - sent)
             if process.returncode not in (-which, 128 + which): raise SystemExit(f"{self.name}: {process.returncode}: {text}")
             ended += 1
@@ -119,7 +146,8 @@ def main():
         for kind in kinds:
             films += 1
             ended += kind.disturb(f"film{films}", 5)
-        print(f"{films} films, {ended} signals", flush=True)
+        longest = max((end for kind in kinds for end in kind.ends), default=0)
+        print(f"{films} films, {ended} signals; from signal to end {longest:.2f} s at most", flush=True)
     for kind in kinds:
         print(f"{kind.name:7} a film takes {kind.seconds:.1f} s; {kind.again} runs went on, behind "
               f"{kind.lit / max(1, kind.again):.0f} of {FRAMES} frames")
