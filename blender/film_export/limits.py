@@ -41,7 +41,7 @@ def tell(scene, walk, materials, film, lost):
         return
     limit = cycles.transparent_max_bounces
     if layers_of(walk, materials) > limit:
-        lost.add(scene, f"{limit} transparent bounces: behind as many layers Cycles is black, the film shows what is there")
+        film["limits"] = {"layers": limit}  # told where the film does not keep to it
     if cycles.sample_clamp_direct > 0:
         lost.add(scene, f"clamp {cycles.sample_clamp_direct:g} of direct light; the film has all of it")
     if 0 < cycles.sample_clamp_indirect < USUAL_CLAMP:

@@ -75,9 +75,12 @@ TEST_F(BlendLossesTogetherSlow, LinesOtherEyesAndBurntInWordsAreTold) {
 }
 
 TEST_F(BlendLossesTogetherSlow, LimitsThatHoldLightBackAreTold) {
-    for (const char* what :
-         {"6 transparent bounces", "clamp 3 of direct light", "clamp 1 of indirect light", "0 diffuse bounces"})
+    for (const char* what : {"clamp 3 of direct light", "clamp 1 of indirect light", "0 diffuse bounces"})
         EXPECT_TRUE(tells(std::string("Scene: ") + what)) << said_;
+    EXPECT_EQ(film_["limits"], json({{"layers", 6}}));
+    EXPECT_TRUE(tells("6 transparent bounces")) << said_;
+    const Outcome kept = run(program() + " plan --within 0 --limits blender " + path(*folder_, "told.blend"));
+    EXPECT_EQ(kept.output.find("transparent bounces"), std::string::npos) << kept.output;
 }
 
 }  // namespace

@@ -116,6 +116,7 @@ TEST(AnimationFileSchema, HasTheKeysThatTheReaderKnows) {
     expect_same_keys("sky", keys::sky);
     expect_same_keys("view", keys::view);
     expect_same_keys("fog", keys::fog);
+    expect_same_keys("limits", keys::limits);
     expect_same_keys("glare", keys::glare);
     expect_same_keys("volume", keys::volume);
     expect_same_keys("volume_key", keys::volume_key);

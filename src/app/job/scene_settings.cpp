@@ -302,6 +302,13 @@ void change_scene(scene::Animation& animation, const RenderOptions& options) {
     if (options.fog) animation.fog.visibility = *options.fog;
     if (options.glare) set_glare(animation, *options.glare);
     if (options.transparent) animation.transparent = *options.transparent == "on";
+    if (options.limits == "none" && animation.layers) {
+        animation.notes.push_back(fmt::format(
+            "not kept: {} transparent bounces: behind as many layers Cycles is black, the film shows what is there "
+            "(--limits blender: black)",
+            *animation.layers));
+        animation.layers.reset();
+    }
 }
 
 void tell_samples(RenderJob& film) {

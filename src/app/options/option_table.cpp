@@ -101,6 +101,9 @@ Rows scene_rows(CommandLine& line) {
          "Whether mirrors and solid glass throw light onto other things; `off`: they do not, and light passes solid "
          "glass straight",
          Words{"on|off"}, Shown()},
+        {"--limits", light, &o.limits,
+         "Whether a .blend's limit of transparent bounces holds, behind which Cycles is black: `blender`, or `none`",
+         Words{"blender|none"}, Shown()},
     };
 }
 

@@ -78,7 +78,8 @@ struct CommandRow {
 };
 
 const std::string scene_options =
-    "INPUT --camera --projection --stereo --animation --variant --sky --light --indirect --vpls --caustics ";
+    "INPUT --camera --projection --stereo --animation --variant --sky --light --indirect --vpls --caustics "
+    "--limits ";
 const std::string picture_options =
     "--size --fps --frames --hold --display-aspect --pixel-aspect --exposure --shutter --f-stop --focus --fog --glare "
     "--view --grain --peak --transparent ";

@@ -144,6 +144,7 @@ struct RenderOptions : FilmOptions {
     std::vector<std::pair<std::string, std::string>> also;  ///< of these, as said; `side_films` has them
     bool preview = false, dry_run = false, resume = false, hold = false, verbose = false, live = false;
     Hire hire;
+    std::string limits = "none";  ///< `blender`: a .blend's limits of bounces hold
 };
 
 struct EncodeOptions : FilmOptions {

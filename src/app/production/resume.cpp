@@ -129,6 +129,7 @@ json light_identity_of(const RenderJob& film, const RenderOptions& options) {
             {"options", words},
             {"--light", options.light},
             {"--caustics", options.caustics},
+            {"--limits", options.limits},
             {"--clamp", options.clamp},
             {"light points", s.direct_points},
             {"depth of mirrors", s.specular_depth},

@@ -219,6 +219,8 @@ glm::vec3 GatherRays::follow(RayQuery ray, Hit hit, const RayRules& rules, const
     // Lamps and the sky in mirrors are caustics on what gathers by hemispheres.
     const bool sees_lights = asked != nullptr || rules.is_lobe;
     bool mirrored = false, behind_body = false;
+    const LayerLimit& limit = posed_scene_.tracer().limit();
+    int covers = 0;
     for (int step = 0; step < most_surfaces; ++step) {
         if (step > 0) {
             hit = posed_scene_.tracer().nearest(ray.origin, ray.direction, ray.far);
@@ -237,6 +239,13 @@ glm::vec3 GatherRays::follow(RayQuery ray, Hit hit, const RayRules& rules, const
         distance += hit.distance;
         const auto material = static_cast<std::size_t>(posed_scene_.animation().objects[hit.address.object].material);
         const bool shines = shines_[material] && (asked != nullptr || !rules.shining.empty());
+        if (limit.ends(covers)) {
+            if (shines && !mirrored)
+                known += shining(passing, posed_scene_.surface_at(hit.address, -ray.direction), distance, rules,
+                                 behind_body);
+            break;
+        }
+        covers += limit.counts(hit.address.object) ? 1 : 0;
         // What is cut out is plain, or not there.
         const bool cut_out = cut_out_[material] && !shines;
         const float ahead = cut_out ? posed_scene_.transmittance_at(hit.address, ray.direction).x : 0.0f;

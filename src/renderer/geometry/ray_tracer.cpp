@@ -99,6 +99,7 @@ struct RayTracer::Impl {
     EmbreeScene scene;
     Transmittance transmittance;
     std::vector<MiddleBox> dynamic_objects;
+    LayerLimit limit;
 
     struct Layer {
         std::uint32_t object;
@@ -112,16 +113,18 @@ struct RayTracer::Impl {
         const float* direction[3];    ///< of the rays, in world space: x, y, z
         std::uint32_t met;            ///< bit i: ray i met a layer
         int layers[16];               ///< so far
+        int covers[16];               ///< of them those that the animation limits
         Layer layer[16][max_layers];  ///< the first of them
         std::int64_t depth[16][3];    ///< optical depth so far, per channel
 
         glm::vec3 direction_of(unsigned ray) const { return {direction[0][ray], direction[1][ray], direction[2][ray]}; }
 
-        /// Counts a layer, unless it takes nothing (foliage has many holes) or is known: a ray through an edge meets
-        /// both its triangles, and Embree asks several times for one hit where the rays of a coherent packet lie in
-        /// several octants.
+        /// Counts a layer, unless it takes nothing (foliage has many holes) and is not limited, or is known: a ray
+        /// through an edge meets both its triangles, and Embree asks several times for one hit where the rays of a
+        /// coherent packet lie in several octants.
         bool is_new_layer(unsigned ray, std::uint32_t object, float distance, glm::vec3 passing) {
-            if (passing == glm::vec3{1.0f}) return false;
+            const bool limited = self->limit.counts(object);
+            if (passing == glm::vec3{1.0f} && !limited) return false;
             const Layer* known = layer[ray];
             const Layer* end = known + std::min(layers[ray], max_layers);
             const auto same = [&](const Layer& other) {
@@ -130,6 +133,7 @@ struct RayTracer::Impl {
             if (std::any_of(known, end, same)) return false;
             if (layers[ray] < max_layers) layer[ray][layers[ray]] = {object, distance};
             ++layers[ray];
+            covers[ray] += limited ? 1 : 0;
             return true;
         }
     };
@@ -146,6 +150,7 @@ struct RayTracer::Impl {
         context.direction[1] = y;
         context.direction[2] = z;
         std::fill_n(context.layers, 16, 0);
+        std::fill_n(context.covers, 16, 0);
         std::fill_n(&context.depth[0][0], 48, std::int64_t{0});
     }
 
@@ -179,7 +184,7 @@ void RayTracer::Impl::filter_shadow(const RTCFilterFunctionNArguments* arguments
             arguments->valid[i] = 0;
             continue;
         }
-        if (context.layers[ray] > max_layers) continue;
+        if (context.layers[ray] > max_layers || context.self->limit.ends(context.covers[ray])) continue;
         for (int c = 0; c < 3; ++c) {
             context.depth[ray][c] +=
                 passing[c] > 0 ? std::llround(-std::log2(std::min(passing[c], 1.0f)) * optical_steps) : opaque_depth;
@@ -217,11 +222,13 @@ std::uint32_t RayTracer::Impl::occluded(const ShadowPacket& packet, unsigned ins
 
 RayTracer::RayTracer(const scene::Animation& animation, core::Isa isa, std::vector<bool> translucent,
                      Transmittance transmittance)
-    : impl_(new Impl{
-          EmbreeScene(animation, isa, std::move(translucent), &Impl::filter_shadow), std::move(transmittance), {}}) {}
+    : impl_(new Impl{EmbreeScene(animation, isa, std::move(translucent), &Impl::filter_shadow),
+                     std::move(transmittance),
+                     {},
+                     LayerLimit(animation, max_layers)}) {}
 
 RayTracer::RayTracer(const RayTracer& posed, Transmittance transmittance)
-    : impl_(new Impl{EmbreeScene(posed.impl_->scene), std::move(transmittance), {}}) {}
+    : impl_(new Impl{EmbreeScene(posed.impl_->scene), std::move(transmittance), {}, posed.impl_->limit}) {}
 
 RayTracer::~RayTracer() = default;
 RayTracer::RayTracer(RayTracer&&) noexcept = default;
@@ -229,6 +236,10 @@ RayTracer::RayTracer(RayTracer&&) noexcept = default;
 void RayTracer::pose(const scene::Snapshot& snapshot) {
     impl_->scene.pose(snapshot);
     impl_->dynamic_objects = impl_->scene.dynamic_object_boxes();
+}
+
+const LayerLimit& RayTracer::limit() const {
+    return impl_->limit;
 }
 
 bool RayTracer::is_instanced(std::uint32_t object) const {

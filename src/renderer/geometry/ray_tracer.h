@@ -10,6 +10,7 @@
 #include "core/isa.h"
 #include "core/surface_address.h"
 #include "renderer/base/bodies.h"
+#include "renderer/geometry/layer_limit.h"
 #include "scene/pose/sweep.h"
 
 namespace render2mpeg::renderer {
@@ -103,6 +104,8 @@ class RayTracer {
     bool is_instanced(std::uint32_t object) const;
 
     static constexpr int max_layers = 16;
+    /// Of rays that go on from surface to surface.
+    const LayerLimit& limit() const;
 
   private:
     struct Impl;

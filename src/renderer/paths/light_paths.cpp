@@ -144,6 +144,8 @@ bool LightPaths::leave(Path& path, PathNumbers& numbers) const {
 
 /// Goes along the ray until the next surface that scatters; adds emission on the path.
 bool LightPaths::meet(Path& path, PathNumbers& numbers, glm::vec3& light) const {
+    const LayerLimit& limit = posed_scene_.tracer().limit();
+    int covers = 0;
     for (int event = 0; event < most_events; ++event) {
         const Hit hit = path.ray.meet(posed_scene_);
         const float way = hit.found() ? hit.distance : std::numeric_limits<float>::infinity();
@@ -157,6 +159,8 @@ bool LightPaths::meet(Path& path, PathNumbers& numbers, glm::vec3& light) const 
         }
         const SurfacePoint met = path.ray.surface_at(posed_scene_, hit);
         light += path.throughput * emitted(path, met);
+        if (limit.ends(covers)) return false;
+        covers += limit.counts(hit.address.object) ? 1 : 0;
         const float choice = path.first && event == 0 ? numbers.first(FirstNumber::event) : numbers.next();
         const Event what = go_on(path, met, choice);
         if (what != Event::passes) return what == Event::lands;

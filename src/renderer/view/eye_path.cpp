@@ -88,6 +88,7 @@ struct EyePaths::PathState {
     glm::vec3 weight{1};
     int mirrors = 0;     ///< so far
     int layers = 0;      ///< of coverage, that it passed straight
+    int covers = 0;      ///< of them those that the animation limits, holes included
     int boundaries = 0;  ///< of bodies of glass
     bool bent = false;
     bool dim = false;       ///< followed for emission alone
@@ -192,6 +193,14 @@ bool EyePaths::split_colors(const PathState& path, const Hit& hit, EyeSample& sa
     return true;
 }
 
+/// Shows a surface behind more layers than the animation allows: of its light what it emits.
+void EyePaths::end_in_black(const PathState& path, const SurfacePoint& point, EyeSample& sample) const {
+    const float share = core::luminance(path.weight);
+    cover(path, point, share, sample);
+    if (path.straight() && share > sample.main.share) sample.main = {share, core::PixelClass::surface, point, {}};
+    emit(path, path.weight * point.emission, sample);
+}
+
 /// `hit`: the first surface of the path.
 void EyePaths::follow(PathState path, Hit hit, EyeSample& sample, SeeCounts& counts) const {
     for (int step = 0; step < most_steps; ++step) {
@@ -213,6 +222,11 @@ void EyePaths::follow(PathState path, Hit hit, EyeSample& sample, SeeCounts& cou
         Fragment fragment;
         SurfacePoint& point = fragment.point;
         point = path.ray.surface_at(posed_scene_, hit, footprint, Holes::bare);
+        const LayerLimit& limit = posed_scene_.tracer().limit();
+        if (limit.ends(path.covers)) {
+            end_in_black(path, point, sample);
+            return;
+        }
         if (!path.specular() && !posed_scene_.animation().materials[point.material].seen) point.alpha = 0.0f;
         if (edits_) aim_reflection(posed_scene_, path.ray.time, point);
         if (point.alpha == 0.0f && path.turned() && posed_scene_.animation().materials[point.material].mirrored)
@@ -226,6 +240,7 @@ void EyePaths::follow(PathState path, Hit hit, EyeSample& sample, SeeCounts& cou
 
         // Go on behind it.
         path.weight = passing;
+        path.covers += limit.counts(hit.address.object) ? 1 : 0;
         path.far -= hit.distance;
         path.ray.pass(posed_scene_, point);
         path.ray.origin_change = footprint;

@@ -75,6 +75,7 @@ class EyePaths {
     void see_discs(const PathState& path, float length, EyeSample& sample) const;
     static void emit(const PathState& path, glm::vec3 light, EyeSample& sample);
     void cover(const PathState& path, const SurfacePoint& point, float share, EyeSample& sample) const;
+    void end_in_black(const PathState& path, const SurfacePoint& point, EyeSample& sample) const;
     bool is_hole(const PathState& path, const SurfacePoint& point) const;
     glm::vec3 show(PathState& path, Fragment& fragment, const SurfaceFootprint& footprint, EyeSample& sample,
                    SeeCounts& counts) const;

@@ -13,8 +13,10 @@ inline const Keys film = core::words_in(
     "$schema title scene closed_glass_is_solid size display_aspect frame_rate frames seconds times sky exposure camera "
     "cameras shots "
     "lights objects materials change sound view shutter shutter_phase rolling_shutter glare grain fog transparent "
+    "limits "
     "stereo "
     "volumes chapters");
+inline const Keys limits = core::words_in("layers");
 inline const Keys fog = core::words_in("visibility color anisotropy height falloff bounces");
 inline const Keys volume = core::words_in(
     "name file more frames first_frame size node position rotate scale visible keys interpolation loop density color "

@@ -161,6 +161,10 @@ FilmClock read_format(const JsonValue& value, Animation& film) {
     if (const auto view = value.find("view")) film.view = view_of(*view);
     if (const auto fog = value.find("fog")) film.fog = fog_of(*fog);
     if (const auto v = value.find("transparent")) film.transparent = v->boolean();
+    if (const auto limits = value.find("limits")) {
+        limits->allow_only(animation_file_keys::limits);
+        if (const auto v = limits->find("layers")) film.layers = static_cast<int>(v->integer(0, 1024));
+    }
     if (const auto grain = value.find("grain"); grain && grain->number(0, core::most_iso) != 0)
         film.grain = static_cast<int>(grain->integer(core::least_iso, core::most_iso));
     if (const auto glare = value.find("glare")) film.glare = glare_of(*glare);

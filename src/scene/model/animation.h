@@ -115,6 +115,10 @@ struct Animation {
     std::optional<std::filesystem::path> sound;  ///< begins with frame 0, likewise
 
     std::vector<std::string> notes;  ///< one line each: assumed, dropped or unknown features
+
+    /// Surfaces of part coverage that an eye's, a shadow's and a gathered ray pass before all is black, as Cycles
+    /// limits transparent bounces; none: as many as are traced. From the animation file.
+    std::optional<int> layers;
 };
 
 }  // namespace render2mpeg::scene
