@@ -55,13 +55,14 @@ void check(const TrialOptions& options) {
     if (options.report)
         throw UsageError("--beside cycles and --report: there is no page of it; --json has its figures");
     // Options that Cycles and `encode` are told as well, or that are about our light alone.
-    constexpr std::array<std::string_view, 24> known{
+    constexpr std::array<std::string_view, 25> known{
         "--beside",     "--blender",   "--size",         "--frames",
         "--exposure",   "--view",      "--codec",        "--samples",
         "--sample",     "--json",      "--vpls",         "--masking",
         "--clamp",      "--cache",     "--edge-samples", "--exposure-samples",
         "--isa",        "--indirect",  "--caustics",     "--threads",
-        "--quantisers", "--overwrite", "--quiet",        "--progress"};
+        "--quantisers", "--overwrite", "--quiet",        "--progress",
+        "--limits"};
     for (const auto& [name, words] : options.render.said)
         if (std::ranges::find(known, name) == known.end())
             throw UsageError("--beside cycles and " + name + ": Cycles' picture would not follow it");
