@@ -129,7 +129,7 @@ class Render2mpegEngine(LiveView, bpy.types.RenderEngine):
             run = Run(["render", folder, "-o", image, "--frames", f"{number}:{number}"] + light_words(scene.render2mpeg, film=False))
             self.wait(run, "still")
             self.show(scene, layer, image % number)
-            self.tell_lost(export.run.lost(), export.run.lines + run.lines)
+            self.tell_lost(export.run.lost() + run.lost(), export.run.lines + run.lines)
         finally:
             export.remove()
 
@@ -153,7 +153,7 @@ class Render2mpegEngine(LiveView, bpy.types.RenderEngine):
             film.finish()
             Given.film = None
             self.report({"INFO"}, film.output)
-            self.tell_lost(film.lost, film.lost + film.run.lines)
+            self.tell_lost(film.lost + film.run.lost(), film.lost + film.run.lines)
 
     def show(self, scene, layer, image):
         """The picture, or the border's part of it."""

@@ -47,6 +47,8 @@ TEST_F(Piles, HoldWhatIsChangedInAFolder) {
     EXPECT_EQ(write({"1 a/second.cpp"}), "");
     EXPECT_EQ(support::contents(folder_ / "piles/0.cpp"), support::contents(folder_ / "a/second.cpp"));
     EXPECT_EQ(support::contents(folder_ / "piles/compile_commands.json").find("1.cpp"), std::string::npos);
+    EXPECT_EQ(write({}), "");
+    EXPECT_EQ(support::contents(folder_ / "piles/compile_commands.json"), "[]");
 }
 
 TEST_F(Piles, OfWhichMostLinesDifferAreJudgedAndTheOthersNamed) {

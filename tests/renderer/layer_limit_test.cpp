@@ -21,6 +21,8 @@ struct Stacks {
     int before_eye = 0, before_sun = 0;
     bool wall = true;
     float shines = 0;
+    float holes_shine = 0;
+    bool holes_seen = true;
 };
 
 /// The middle of a picture of a wall through layers that cover nothing, which Cycles counts as well.
@@ -31,6 +33,8 @@ float seen(const Stacks& stacks, std::optional<int> layers) {
     if (stacks.wall) b.add_quad({-9, -9, 0}, {18, 0, 0}, {0, 18, 0}, paint);
     const int hole = b.add_material(glm::vec3(1));
     b.material(hole).alpha_mode = scene::AlphaMode::blend;
+    b.material(hole).emission = glm::vec3(stacks.holes_shine);
+    b.material(hole).seen = stacks.holes_seen;
     const auto stack = [&](int count, float y, float z) {
         for (int i = 0; i < count; ++i) {
             const float at = z + 0.05f * static_cast<float>(i);
@@ -71,6 +75,11 @@ TEST(LayerLimit, ShowsLampsAndTheSkyBehindTheLastLayerAlone) {
         EXPECT_NEAR(seen({.before_eye = limit + more, .shines = 2}, limit), share * 2.0f, 0.01f);
         EXPECT_NEAR(seen({.before_eye = limit + more, .wall = false}, limit), share * lit, 0.01f);
     }
+}
+
+TEST(LayerLimit, ShowsNoLightOfHolesAndCountsNoneThatTheEyeDoesNotSee) {
+    EXPECT_NEAR(seen({.before_eye = limit + 2, .holes_shine = 2}, limit), 0, 0.01f);
+    EXPECT_NEAR(seen({.before_eye = limit + 2, .holes_seen = false}, limit), lit, 0.01f);
 }
 
 TEST(LayerLimit, OfAsManyLayersAsRaysCountIsNone) {

@@ -316,7 +316,7 @@ Shape shape_of_eye(const RenderJob& film, const RenderOptions& options, scene::A
     if (film.kind == OutputKind::film) codec = codec_of(options.coding, options.output);
     const Size even{shape.size.width + shape.size.width % 2, shape.size.height + shape.size.height % 2};
     if (codec && codec != encoder::Codec::mpeg2 && area_of(even) > area_of(shape.size)) {
-        animation.notes.push_back(fmt::format("{}x{}: {} has even sides; pictures have {}x{}", shape.size.width,
+        animation.notes.push_back(fmt::format("{}x{}: films in {} are made with even sides, {}x{}", shape.size.width,
                                               shape.size.height, encoder::facts_of(*codec).name, even.width,
                                               even.height));
         wishes.size = even;

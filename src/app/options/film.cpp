@@ -362,12 +362,16 @@ encoder::Labels labels_of(const CodingOptions& options, const encoder::Settings&
         throw UsageError("--title: expected a line of UTF-8 without control codes");
     if (!labels.title.empty() && !av::can_have_title(output))
         throw UsageError("--title: " + output.string() + " has none; .mp4, .mov, .mkv, .webm and .ts have");
+    // chosen: a transport stream's service name has 255 bytes at most, one of which tells its alphabet.
+    if (core::ending_of(output) == ".ts" && labels.title.size() > 254)
+        throw UsageError("--title: " + output.string() + " has one of at most 254 bytes");
     if (!options.timecode) return labels;
     if (!av::can_have_timecode(output, coding.codec))
         throw UsageError("--timecode: " + output.string() + " has none; .mp4, .mov, .mkv, .webm and MPEG-2 have");
     const core::FrameRate rate = encoder::declared_rate(coding);
     const auto per_second = static_cast<int>(std::lround(rate.hertz.value()));
-    const bool can_drop = rate.hertz.den == 1001 && (rate.hertz.num == 30000 || rate.hertz.num == 60000);
+    const bool is_fast = rate.hertz.num == 60000 && coding.codec != encoder::Codec::mpeg2;  // [H262, 6.3.8]
+    const bool can_drop = rate.hertz.den == 1001 && (rate.hertz.num == 30000 || is_fast);
     labels.start = encoder::timecode_from(*options.timecode, per_second, can_drop);
     if (!labels.start)
         throw UsageError(
@@ -375,7 +379,7 @@ encoder::Labels labels_of(const CodingOptions& options, const encoder::Settings&
                         "pictures per second{}",
                         *options.timecode, per_second,
                         can_drop ? "; with `;` before FF, no number that drop-frame leaves out"
-                                 : "; `;` before FF is for 29.97 and 59.94"));
+                                 : "; `;` before FF is for 29.97 and, but in MPEG-2, 59.94"));
     return labels;
 }
 

@@ -254,8 +254,7 @@ Rows coding_rows(CommandLine& line) {
          range(1, 31), ShownAs{"4"}, Idle::uncoded},
         {"--codec", coding, &o.codec,
          "mpeg2, h264, hevc, av1, vp9 (default: h264 in .mp4, .mov, .mkv, vp9 in .webm, else mpeg2); for editors "
-         "prores, "
-         "dnxhr, ffv1 ...",
+         "prores, dnxhr, ffv1 ...",
          "CODEC", Words{codecs.c_str()}, Idle::uncoded},
         {"--level", coding, into<level_from>(o.level),
          "Level of H.264 or AV1 that the film keeps to in size, pictures per second and references, e.g. 4.1 (default: "
@@ -307,10 +306,8 @@ Rows product_rows(CommandLine& line) {
          Idle::uncoded},
         {"--title", sound, &o.coding.title, "Title of the film: .mp4, .mov, .mkv, .webm, .ts", "TEXT", Idle::uncoded},
         {"--timecode", sound, &o.coding.timecode,
-         "Timecode of the first picture, in .mp4, .mov, .mkv, .webm and all MPEG-2; `;` before FF: drop-frame, at "
-         "29.97 "
-         "and 59.94 (default: 00:00:00:00)",
-         "HH:MM:SS:FF", Idle::uncoded},
+         "Timecode of the first picture (.mp4, .mov, .mkv, .webm; MPEG-2); `;` before FF: drop-frame", "HH:MM:SS:FF",
+         Idle::uncoded},
         {"--stats", run, &o.stats, "Write statistics as JSON (docs/json.md)", "FILE.json", Idle::always},
         {"--report", run, &o.report,
          "Write a page about the render, with plots, for any browser, and its figures as JSON beside it "

@@ -108,6 +108,13 @@ bool go_on(const PosedScene& scene, const SurfacePoint& p, float choice, glm::ve
     return true;
 }
 
+/// Takes what the air on the way to the hit leaves of light, and adds what its volumes send if they are `bright`.
+void pass_air(const Air& air, const RayQuery& ray, const Hit& hit, bool bright, glm::vec3& passing, glm::vec3& known) {
+    const float way = hit.found() ? hit.distance : std::numeric_limits<float>::infinity();
+    if (bright) known += passing * air.light_of_volumes(ray.origin, ray.direction, way, VolumeView::rough);
+    passing *= air.left_of_light(ray.origin, ray.direction, way);
+}
+
 }  // namespace
 
 GatherRays::GatherRays(const PosedScene& posed_scene, const Plan& plan)
@@ -226,12 +233,8 @@ glm::vec3 GatherRays::follow(RayQuery ray, Hit hit, const RayRules& rules, const
             hit = posed_scene_.tracer().nearest(ray.origin, ray.direction, ray.far);
             ++rays;
         }
-        if (air != nullptr && !(step == 0 && rules.own_volume)) {
-            const float way = hit.found() ? hit.distance : std::numeric_limits<float>::infinity();
-            if (bounces_ && rules.bounces)
-                known += passing * air->light_of_volumes(ray.origin, ray.direction, way, VolumeView::rough);
-            passing *= air->left_of_light(ray.origin, ray.direction, way);
-        }
+        if (air != nullptr && !(step == 0 && rules.own_volume))
+            pass_air(*air, ray, hit, bounces_ && rules.bounces, passing, known);
         if (!hit.found()) {
             if (!behind_body && (!mirrored || sees_lights)) known += passing * escaped(ray.direction, rules, mirrored);
             break;
@@ -239,15 +242,10 @@ glm::vec3 GatherRays::follow(RayQuery ray, Hit hit, const RayRules& rules, const
         distance += hit.distance;
         const auto material = static_cast<std::size_t>(posed_scene_.animation().objects[hit.address.object].material);
         const bool shines = shines_[material] && (asked != nullptr || !rules.shining.empty());
-        if (limit.ends(covers)) {
-            if (shines && !mirrored)
-                known += shining(passing, posed_scene_.surface_at(hit.address, -ray.direction), distance, rules,
-                                 behind_body);
-            break;
-        }
+        const bool is_black = limit.ends(covers);  // but may shine
         covers += limit.counts(hit.address.object) ? 1 : 0;
         // What is cut out is plain, or not there.
-        const bool cut_out = cut_out_[material] && !shines;
+        const bool cut_out = cut_out_[material] && !shines && !is_black;
         const float ahead = cut_out ? posed_scene_.transmittance_at(hit.address, ray.direction).x : 0.0f;
         if (ahead == 1.0f) {
             if (!(core::luminance(passing) > least_passing)) break;
@@ -255,15 +253,15 @@ glm::vec3 GatherRays::follow(RayQuery ray, Hit hit, const RayRules& rules, const
             continue;
         }
         const CellQuery place = cell_query(ray, hit, distance, rules, numbers.at(static_cast<std::uint64_t>(step)));
-        if ((plain_[material] || cut_out) && ahead == 0.0f && !mirrored && !shines) {
+        if ((plain_[material] || cut_out) && ahead == 0.0f && !mirrored && !shines && !is_black) {
             chosen.offer(passing, place);
             break;
         }
-
         // Look at what passes or mirrors.
         const SurfacePoint p = posed_scene_.surface_at(hit.address, -ray.direction);
         // Lamps in mirrors would be found by one ray in thousands.
         if (shines && !mirrored) known += shining(passing, p, distance, rules, behind_body);
+        if (is_black) break;
         if (asked == nullptr && sky_in_panes_ > 0.0f && !behind_body && !mirrored)
             known += passing * sky_in_pane(p, rules.solid_angle, rays);
         const glm::vec3 shown = passing * p.alpha;

@@ -198,7 +198,7 @@ void EyePaths::end_in_black(const PathState& path, const SurfacePoint& point, Ey
     const float share = core::luminance(path.weight);
     cover(path, point, share, sample);
     if (path.straight() && share > sample.main.share) sample.main = {share, core::PixelClass::surface, point, {}};
-    emit(path, path.weight * point.emission, sample);
+    emit(path, path.weight * point.alpha * point.emission, sample);
 }
 
 /// `hit`: the first surface of the path.
@@ -222,12 +222,13 @@ void EyePaths::follow(PathState path, Hit hit, EyeSample& sample, SeeCounts& cou
         Fragment fragment;
         SurfacePoint& point = fragment.point;
         point = path.ray.surface_at(posed_scene_, hit, footprint, Holes::bare);
+        const bool unseen = !path.specular() && !posed_scene_.animation().materials[point.material].seen;
         const LayerLimit& limit = posed_scene_.tracer().limit();
-        if (limit.ends(path.covers)) {
+        if (!unseen && limit.ends(path.covers)) {
             end_in_black(path, point, sample);
             return;
         }
-        if (!path.specular() && !posed_scene_.animation().materials[point.material].seen) point.alpha = 0.0f;
+        if (unseen) point.alpha = 0.0f;
         if (edits_) aim_reflection(posed_scene_, path.ray.time, point);
         if (point.alpha == 0.0f && path.turned() && posed_scene_.animation().materials[point.material].mirrored)
             emit(path, path.weight * point.emission, sample);
@@ -240,7 +241,7 @@ void EyePaths::follow(PathState path, Hit hit, EyeSample& sample, SeeCounts& cou
 
         // Go on behind it.
         path.weight = passing;
-        path.covers += limit.counts(hit.address.object) ? 1 : 0;
+        path.covers += !unseen && limit.counts(hit.address.object) ? 1 : 0;
         path.far -= hit.distance;
         path.ray.pass(posed_scene_, point);
         path.ray.origin_change = footprint;

@@ -105,26 +105,30 @@ core::Fog fog_of(const JsonValue& value) {
     return fog;
 }
 
+core::FrameRate rate_of(const JsonValue& value) {
+    std::string text;
+    if (value.is_number()) {
+        text = std::to_string(value.number(0.1, 1000));
+        text.erase(text.find_last_not_of('0') + 1);
+        if (text.back() == '.') text.pop_back();
+    } else {
+        text = value.text();
+    }
+    try {
+        return core::frame_rate_from(text);
+    } catch (const core::Error& e) {
+        value.fail(e.what());
+    }
+}
+
 /// Frame rate, range, exposure, view, fog and glare.
 FilmClock read_format(const JsonValue& value, Animation& film) {
     FilmClock clock;
     film.frame_rate = "25";  // initial rate of FilmClock
     if (const auto rate = value.find("frame_rate")) {
-        std::string text;
-        if (rate->is_number()) {
-            text = std::to_string(rate->number(0.1, 1000));
-            text.erase(text.find_last_not_of('0') + 1);
-            if (text.back() == '.') text.pop_back();
-        } else {
-            text = rate->text();
-        }
-        try {
-            const core::FrameRate known = core::frame_rate_from(text);
-            film.frame_rate = known.name;
-            clock.rate = known.hertz.value();
-        } catch (const core::Error& e) {
-            rate->fail(e.what());
-        }
+        const core::FrameRate known = rate_of(*rate);
+        film.frame_rate = known.name;
+        clock.rate = known.hertz.value();
     }
     constexpr std::array<std::string_view, 2> units{"seconds", "frames"};
     if (const auto times = value.find("times")) clock.in_frames = times->word(units) == 1;
