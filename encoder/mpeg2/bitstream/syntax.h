@@ -20,7 +20,7 @@ inline constexpr int start_code_bits = 32;
 void write_sequence(BitWriter& out, const Settings& settings, const Level& level, const Matrices& matrices);
 
 /// Header of a GOP whose first picture in display order is `first_number`: an I picture, if it is closed. The time code
-/// counts frames at the rounded declared rate (no drop frames).
+/// counts frames at the rounded declared rate from the film's start (Labels), or from 0.
 void write_gop(BitWriter& out, const Settings& settings, std::int64_t first_number, bool closed);
 
 /// Contents of a picture's header and coding extension; progressive frame pictures with frame prediction and frame DCT
