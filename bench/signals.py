@@ -136,11 +136,13 @@ class Kind:
 def main():
     program = os.path.abspath(sys.argv[1])
     wanted, seed = int(sys.argv[2]) if len(sys.argv) > 2 else 500, int(sys.argv[3]) if len(sys.argv) > 3 else 1
+    named = sys.argv[4:] or list(OUTPUTS)
+    if not set(named) <= set(OUTPUTS): sys.exit(f"signals: kinds are {' '.join(OUTPUTS)}")
     random.seed(seed)
     base = pathlib.Path(tempfile.mkdtemp(prefix="signals."))
     (base / "moving.json").write_text(json.dumps(SCENE))
     (base / "still.json").write_text(json.dumps(STILL))
-    kinds = [Kind(program, name, base) for name in OUTPUTS if len(sys.argv) < 5 or name in sys.argv[4:]]
+    kinds = [Kind(program, name, base) for name in named]
     ended = films = 0
     while ended < wanted:
         for kind in kinds:

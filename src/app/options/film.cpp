@@ -362,7 +362,7 @@ encoder::Labels labels_of(const CodingOptions& options, const encoder::Settings&
         throw UsageError("--title: expected a line of UTF-8 without control codes");
     if (!labels.title.empty() && !av::can_have_title(output))
         throw UsageError("--title: " + output.string() + " has none; .mp4, .mov, .mkv, .webm and .ts have");
-    // chosen: a transport stream's service name has 255 bytes at most, one of which tells its alphabet.
+    // A transport stream's service name has 255 bytes at most, one of which tells its alphabet.
     if (core::ending_of(output) == ".ts" && labels.title.size() > 254)
         throw UsageError("--title: " + output.string() + " has one of at most 254 bytes");
     if (!options.timecode) return labels;
