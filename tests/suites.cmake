@@ -1,4 +1,4 @@
-# Read by ctest, with `program`, `name`, `launcher`, `costs`, `cpu`, `without`, `spare`, `by_all`, `blender` (and where that is set
+# Read by ctest, with `program`, `name`, `launcher`, `costs`, `cpu`, `spare`, `by_all`, `blender` (and where that is set
 # `socket` and `served`) and `environment` set: the tests of one program, as they
 # are now. Each suite is one test, in one process: most of what small tests take is the start of a process and of the libraries it opens, and
 # what a suite makes once serves all its tests. Tests whose name, or whose suite's, ends in Slow are one each, and labelled `slow`; a suite
@@ -73,7 +73,6 @@ string(REGEX REPLACE " +#[^\n]*" "" listed "${listed}")
 string(REPLACE "\n" ";" listed "${listed}")
 set(suite "")
 set(added "")  # the suite that was added last
-set(known "")
 foreach(line IN LISTS listed)
   string(STRIP "${line}" test)
   if(line MATCHES "^[^ ].*[.]$")
@@ -83,7 +82,6 @@ foreach(line IN LISTS listed)
   elseif(NOT line MATCHES "^  [^ ]" OR test MATCHES "^DISABLED_")
     continue()
   endif()
-  list(APPEND known "${suite}${test}")
   if("${suite}" MATCHES "TogetherSlow[.]$")
     if(NOT suite STREQUAL added)
       set(added "${suite}")
@@ -93,14 +91,6 @@ foreach(line IN LISTS listed)
     add_suite("${name}.${suite}${test}" slow "${suite}${test}")
   elseif(NOT suite STREQUAL added)
     set(added "${suite}")
-    add_suite("${whole}" fast "${suite}*-*Slow:*Slow/*:${without}")
-  endif()
-endforeach()
-
-string(REPLACE ":" ";" without "${without}")
-foreach(test IN LISTS without)
-  list(FIND known "${test}" place)
-  if(place EQUAL -1)
-    message(FATAL_ERROR "${program} has no test ${test}, which its tests.cmake leaves out")
+    add_suite("${whole}" fast "${suite}*-*Slow:*Slow/*")
   endif()
 endforeach()

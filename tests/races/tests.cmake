@@ -5,9 +5,7 @@ if(RENDER2MPEG_SANITIZE MATCHES "thread")
   render2mpeg_test(races
     SOURCES ${CMAKE_CURRENT_SOURCE_DIR}/parallel/loops_test.cpp ${CMAKE_CURRENT_SOURCE_DIR}/parallel/lanes_test.cpp
             ${CMAKE_CURRENT_SOURCE_DIR}/renderer/final_gather_test.cpp ${CMAKE_CURRENT_SOURCE_DIR}/renderer/irradiance_cache_test.cpp
-    LIBS render2mpeg_renderer render2mpeg_test_stages
-    WITHOUT IrradianceCache.AFinerToleranceGoesOnWithTheRecordsInItsPlaces IrradianceCache.LightsPolishedMetalForAFractionOfTheRays
-            NearLight.IsOfTheViewBehindACut)
+    LIBS render2mpeg_renderer render2mpeg_test_stages)
   unset(RENDER2MPEG_UNITY)
   # Of the program only what makes films.
   find_package(fmt REQUIRED)

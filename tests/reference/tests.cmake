@@ -3,6 +3,4 @@ include(${CMAKE_CURRENT_LIST_DIR}/path_tracer.cmake)
 add_library(render2mpeg_truth_cases STATIC ${CMAKE_CURRENT_LIST_DIR}/lamp_cases.cpp ${CMAKE_CURRENT_LIST_DIR}/material_cases.cpp
                                               ${CMAKE_CURRENT_LIST_DIR}/path_cases.cpp ${CMAKE_CURRENT_LIST_DIR}/specular_cases.cpp)
 target_link_libraries(render2mpeg_truth_cases PUBLIC render2mpeg_path_tracer render2mpeg_test_scenes)
-render2mpeg_test(reference SANITIZED_BY_ALL SPARE "OwnPathsTruthSlow" OPENS_MODULES LIBS render2mpeg_truth_cases render2mpeg_test_stages
-  WITHOUT Densities/WhiteFurnace.KeepsItsEnergy/0 Densities/WhiteFurnace.KeepsItsEnergy/1 Densities/WhiteFurnace.KeepsItsEnergy/2
-          Phases/ScatteredOnce.IsThatOfQuadrature/1 Phases/ScatteredOnce.IsThatOfQuadrature/2)
+render2mpeg_test(reference SANITIZED_BY_ALL SPARE "OwnPathsTruthSlow" OPENS_MODULES LIBS render2mpeg_truth_cases render2mpeg_test_stages)

@@ -100,7 +100,7 @@ glm::dvec3 mean_of(const core::Radiance& r) {
 
 class ScatteredOnce : public testing::TestWithParam<float> {};
 
-TEST_P(ScatteredOnce, IsThatOfQuadrature) {
+TEST_P(ScatteredOnce, IsThatOfQuadratureSlow) {
     scene::Volume volume = even_cube();
     volume.density = 1.5f;
     volume.color = glm::vec3(1e-5f);
@@ -143,7 +143,7 @@ TEST(Volume, LampWithinIsThatOfQuadrature) {
 
 class WhiteFurnace : public testing::TestWithParam<std::tuple<float, float>> {};
 
-TEST_P(WhiteFurnace, KeepsItsEnergy) {
+TEST_P(WhiteFurnace, KeepsItsEnergySlow) {
     const auto [density, anisotropy] = GetParam();
     scene::Volume volume = even_cube(24);
     volume.density = density;

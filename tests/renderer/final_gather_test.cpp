@@ -311,7 +311,7 @@ TEST(NearLight, AndRaysTogetherGiveWhatRaysGive) {
     EXPECT_NEAR(rest + by_points, all, 0.02f * all);
 }
 
-TEST(NearLight, IsOfTheViewBehindACut) {
+TEST(NearLight, IsOfTheViewBehindACutSlow) {
     renderer::Settings settings = test::small_frame(16, 16);
     const auto room_from = [&](glm::vec3 eye, glm::vec3 target) {
         SceneBuilder b = shaded_room();

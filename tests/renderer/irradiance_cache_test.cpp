@@ -63,7 +63,7 @@ TEST(IrradianceCache, AStillFilmShootsNoSecondShadowRayAndStaysStill) {
     EXPECT_GT(more, 0u);
 }
 
-TEST(IrradianceCache, AFinerToleranceGoesOnWithTheRecordsInItsPlaces) {
+TEST(IrradianceCache, AFinerToleranceGoesOnWithTheRecordsInItsPlacesSlow) {
     Settings s = cache_settings(true);
     s.indirect = Indirect::rays;
     FilmStage stage(walk(false), s);
@@ -298,7 +298,7 @@ TEST(IrradianceCache, LightsVarnishedWallsWithinTheirToleranceSlow) {
     }
 }
 
-TEST(IrradianceCache, LightsPolishedMetalForAFractionOfTheRays) {
+TEST(IrradianceCache, LightsPolishedMetalForAFractionOfTheRaysSlow) {
     // All around the room.
     test::SceneBuilder b = walk();
     for (int m = 0; m < 4; ++m) {

@@ -263,7 +263,7 @@ TEST(LobeRays, AreTheSameForAnyNumberOfThreads) {
     }
 }
 
-TEST(LobeRays, AreAsManyAsTheToleranceAsksFor) {
+TEST(LobeRays, AreAsManyAsTheToleranceAsksForSlow) {
     FilmStage coarse(floor_by_a_wall(), without_bounces(32, 32)), fine(floor_by_a_wall(), without_bounces(32, 32));
     coarse.cut(0.1f);
     fine.cut(0.005f);

@@ -129,7 +129,7 @@ TEST(Panes, InAFurnaceAreNotSeen) {
     EXPECT_NEAR(lit(beside_a_window(false, true), 1), 0.5, 0.004);
 }
 
-TEST(Panes, CostNoPhotonsBelowASkyAndBallsDo) {
+TEST(Panes, CostNoPhotonsBelowASkyAndBallsDoSlow) {
     for (const bool ball : {false, true}) {
         SceneBuilder b = beside_a_window(false, false);
         if (ball) b.add_sphere({0.3f, 0.1f, 0}, 0.1f, add_glass(b), 12);
@@ -166,7 +166,7 @@ TEST(SolidGlass, PassesWhatSurfacesBounceWhereCausticsHaveLightOfLampsSlow) {
     EXPECT_NEAR(light(true, true) / passing, 1.0, 0.03);
 }
 
-TEST(SolidGlass, PassesTheSkyHoweverWideTheSceneIs) {
+TEST(SolidGlass, PassesTheSkyHoweverWideTheSceneIsSlow) {
     // A thick plate a metre above what is seen, on a floor of this half width.
     const auto light = [](float half, bool glass) {
         SceneBuilder b;

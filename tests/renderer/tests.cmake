@@ -1,3 +1,1 @@
-render2mpeg_test(renderer SANITIZED_BY_ALL LIBS render2mpeg_renderer render2mpeg_path_tracer render2mpeg_test_stages
-  WITHOUT IrradianceCache.LightsPolishedMetalForAFractionOfTheRays LobeRays.AreAsManyAsTheToleranceAsksFor
-          NearLight.IsOfTheViewBehindACut Panes.CostNoPhotonsBelowASkyAndBallsDo SolidGlass.PassesTheSkyHoweverWideTheSceneIs)
+render2mpeg_test(renderer SANITIZED_BY_ALL LIBS render2mpeg_renderer render2mpeg_path_tracer render2mpeg_test_stages)
