@@ -105,7 +105,8 @@ def found_films():
 
 
 def around(blend):
-    made = given.work / f"{blend.stem}-around-{hashlib.sha256(f"{blend} {blend.stat().st_mtime_ns}".encode()).hexdigest()[:12]}.blend"
+    told = hashlib.sha256(f"{blend} {blend.stat().st_mtime_ns}".encode()).hexdigest()[:12]
+    made = given.work / f"{blend.stem}-around-{told}.blend"
     if not made.exists():
         blender("--disable-autoexec", blend, "--python", SCRIPTS / "around.py", "--", made)
     return made

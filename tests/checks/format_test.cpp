@@ -1,4 +1,4 @@
-// Every C++ file is as clang-format 14 has it with the tree's .clang-format.
+// Every C++ file is as clang-format 14 has it with the tree's .clang-format; Python reads every script.
 #include "tests/support/places.h"
 #include "tests/support/program.h"
 
@@ -45,6 +45,26 @@ TEST(Format, OfAFileThatClangFormatWouldChangeIsFound) {
     const std::string found = unformatted(folder.path().string(), all_below("."));
     EXPECT_NE(found.find("bad.cpp"), std::string::npos) << found;
     EXPECT_EQ(found.find("good.cpp"), std::string::npos) << found;
+}
+
+/// Where Python stumbles over the scripts below `places`; empty where it reads all.
+std::string unreadable_scripts(const std::string& folder, const std::string& places) {
+    return run("cd " + folder + " && find " + places +
+               " -name '*.py' -print0 | xargs -0 python3 -c \"import ast, sys; [ast.parse(open(f).read(), f) for f in "
+               "sys.argv[1:]]\" 2>&1")
+        .output;
+}
+
+TEST(Scripts, OfThisTreeAreReadByThisPython) {
+    EXPECT_EQ(unreadable_scripts(support::source_folder().string(), "animations bench blender docs src tests"), "");
+}
+
+TEST(Scripts, ThatPythonDoesNotReadAreFound) {
+    const support::Folder folder;
+    std::ofstream(folder / "good.py") << "a = 1\n";
+    EXPECT_EQ(unreadable_scripts(folder.path().string(), "."), "");
+    std::ofstream(folder / "bad.py") << "a = (\n";
+    EXPECT_NE(unreadable_scripts(folder.path().string(), ".").find("bad.py"), std::string::npos);
 }
 
 }  // namespace
