@@ -331,6 +331,18 @@ TEST(NearLight, IsOfTheViewBehindACutSlow) {
     EXPECT_EQ(dark.renderer().statistics().indirect_points, lit.renderer().statistics().indirect_points);
 }
 
+/// Points of a room lit by its walls: what the errors of light points near its lamp hide in is mostly light of rays.
+TEST(NearLight, ErrsByAShareOfTheLightThatRaysBringAsWell) {
+    SceneBuilder b = shaded_room();
+    b.add_camera({1, 1, 1.5f}, {0, 1.5f, 0});
+    test::FilmStage stage(b, test::small_frame(48, 48));
+    stage.cut(0.1f);
+    const Statistics& found = stage.statistics();
+    const double cut = 1.0 * found.indirect_clusters / found.cache.created;
+    EXPECT_LT(cut, 130.0);  // 645 where rays are not known
+    EXPECT_GT(cut, 14.0);
+}
+
 TEST(FinalGather, OfAnEmptyWorldIsNothing) {
     SceneBuilder b;
     b.add_quad({-1, 0, 1}, {2, 0, 0}, {0, 0, -2}, b.add_material(glm::vec3(albedo)));

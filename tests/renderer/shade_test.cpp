@@ -247,7 +247,7 @@ TEST(Shade, CountsPointsWhoseToleranceTheLargestCutMissed) {
 
 TEST(Shade, StopsAtAnAbsoluteToleranceInTheDark) {
     // Far below the absolute tolerance, a few clusters must do; without it the same points need many.
-    FilmStage stage(furnished_room(1e-3f));
+    FilmStage stage(furnished_room(1e-3f), test::lightcuts_frame());
     stage.shade(0, core::ToleranceMap::uniform(24, 24, {1.0f, 0.02f}));
     const std::uint64_t few = stage.statistics().direct_clusters + stage.statistics().indirect_clusters;
     stage.shade(0, core::ToleranceMap::uniform(24, 24, {0.0f, 0.02f}));

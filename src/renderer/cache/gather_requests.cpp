@@ -16,73 +16,107 @@
 namespace render2mpeg::renderer {
 namespace {
 
-void gather_requests_of(const FrameState& frame, const RequestGroup& group, std::uint32_t pool, Gatherer& gatherer,
-                        GatheredRequests& out) {
+/// Requests of areas, by groups that share cuts.
+std::vector<GatheredRequests> group_areas(const FrameState& frame, const std::vector<std::vector<PointRef>>& of_area) {
+    std::vector<GatheredRequests> found(of_area.size());
+    parallel::for_each(of_area.size(), [&](std::size_t a) {
+        GatheredRequests& g = found[a];
+        std::uint32_t pool = 0;
+        for (const RequestGroup& group : group_requests(frame.seen(), of_area[a], frame.camera().position())) {
+            g.points.insert(g.points.end(), group.points.begin(), group.points.end());
+            g.sets.resize(g.points.size(), static_cast<std::uint8_t>(group.set));
+            g.pools.resize(g.points.size(), pool++);
+        }
+        g.light.resize(g.points.size());
+        g.lobes.resize(g.points.size());
+        g.rays.resize(g.points.size());
+        g.known.resize(g.points.size());
+    });
+    return found;
+}
+
+/// Points of a group: places in the lists of an area.
+struct GroupRange {
+    std::size_t area = 0, first = 0, end = 0;
+};
+
+std::vector<GroupRange> groups_of(const std::vector<GatheredRequests>& found) {
+    std::vector<GroupRange> groups;
+    for (std::size_t a = 0; a < found.size(); ++a)
+        for (std::size_t i = 0; i < found[a].points.size(); ++i)
+            if (i == 0 || found[a].pools[i] != found[a].pools[i - 1])
+                groups.push_back({a, i, i + 1});
+            else
+                ++groups.back().end;
+    return groups;
+}
+
+/// Tells what pixels show of the light that rays found, about: a point's own first rays tell less than its group's.
+void know_rays(const GatherPoint* const (&receivers)[lane_count], const GroupRange& group, GatheredRequests& g) {
+    double white = 0;
+    for (std::size_t i = group.first; i < group.end; ++i) {
+        const GatherPoint& receiver = *receivers[i - group.first];
+        white += core::divide_or(shown_luminance(receiver, g.rays[i].light), 1.0 * receives(receiver), 0.0);
+    }
+    white /= static_cast<double>(group.end - group.first);
+    for (std::size_t i = group.first; i < group.end && std::isfinite(white); ++i)
+        g.known[i] = static_cast<float>(std::max(white, 0.0)) * receives(*receivers[i - group.first]);
+}
+
+/// Light of light trees.
+void gather_trees_of(const FrameState& frame, const GroupRange& group, Gatherer& gatherer, GatheredRequests& g,
+                     ShadeCounts& counts) {
     // Gather what uses the cache as a receiver that serves other textures, too.
+    const std::size_t count = group.end - group.first;
     GatherPoint receivers[lane_count];
     const GatherPoint* pointers[lane_count];
-    GroupTolerance tolerance;
-    for (std::size_t i = 0; i < lane_count; ++i) {
-        const PointRef& ref = group.points[std::min(i, group.points.size() - 1)];
-        tolerance.set(static_cast<int>(i), frame.tiles[ref.tile].tolerance[ref.index]);
-        if (i >= group.points.size()) continue;
-        pointers[i] = &frame.point(ref);
+    for (std::size_t i = 0; i < count; ++i) {
+        pointers[i] = &frame.point(g.points[group.first + i]);
         if (!uses_cache(*pointers[i])) continue;
         receivers[i] = plain_receiver(*pointers[i]);
         pointers[i] = &receivers[i];
     }
+    know_rays(pointers, group, g);
+    GroupTolerance tolerance;
+    for (std::size_t i = 0; i < lane_count; ++i) {
+        const std::size_t k = group.first + std::min(i, count - 1);
+        PointTolerance own = frame.tiles[g.points[k].tile].tolerance[g.points[k].index];
+        own.base += g.known[k];
+        tolerance.set(static_cast<int>(i), own);
+    }
     GatherLanes lanes;
-    fill(lanes, std::span<const GatherPoint* const>(pointers, group.points.size()));
-    lanes.set = group.set;
+    fill(lanes, std::span<const GatherPoint* const>(pointers, count));
+    lanes.set = g.sets[group.first];
     GatheredLight gathered;
     gatherer.gather(lanes, tolerance, frame.limits, gathered);
 
     // Hand out what was found.
-    out.counts.add(gathered, group.points.size());
-    for (std::size_t i = 0; i < group.points.size(); ++i) {
-        out.points.push_back(group.points[i]);
+    counts.add(gathered, count);
+    for (std::size_t i = 0; i < count; ++i) {
         const auto lane = static_cast<int>(i);
         PointLight light = point_light(gathered, lane, *pointers[i]);
         // The clamp took from the receiver what it is to have taken from the point, by share.
-        light.clamped *= core::divide_or(core::luminance(light.scattered(frame.point(group.points[i]))),
+        light.clamped *= core::divide_or(core::luminance(light.scattered(frame.point(g.points[group.first + i]))),
                                          core::luminance(light.scattered(*pointers[i])), 0.0f);
-        out.light.push_back(light);
-        out.sets.push_back(static_cast<std::uint8_t>(group.set));
-        out.pools.push_back(pool);
-        out.lobes.emplace_back();
-        out.rays.emplace_back();
+        g.light[group.first + i] = light;
         const SurfacePoint& p = pointers[i]->point;
         if (p.bsdf.has_glossy())
-            out.lobes.back() = {p.bsdf.alpha, p.outgoing, gathered.f0.at(lane), gathered.schlick.at(lane)};
+            g.lobes[group.first + i] = {p.bsdf.alpha, p.outgoing, gathered.f0.at(lane), gathered.schlick.at(lane)};
     }
 }
 
 /// Groups of points that one task gathers: where there are many lamps one takes milliseconds.
 constexpr std::size_t groups_at_once = 4;
 
-/// Gathers the requests of areas.
-std::vector<GatheredRequests> gather_areas(const FrameState& frame, const std::vector<std::vector<PointRef>>& of_area) {
-    std::vector<std::vector<RequestGroup>> groups(of_area.size());
-    parallel::for_each(of_area.size(), [&](std::size_t a) {
-        groups[a] = group_requests(frame.seen(), of_area[a], frame.camera().position());
-    });
-    struct Part {
-        std::size_t area = 0, first = 0, last = 0;
-        GatheredRequests found;
-    };
-    std::vector<Part> parts;
-    for (std::size_t a = 0; a < groups.size(); ++a)
-        for (std::size_t first = 0; first < groups[a].size(); first += groups_at_once)
-            parts.push_back({a, first, std::min(first + groups_at_once, groups[a].size()), {}});
-    parallel::for_each(parts.size(), [&](std::size_t i) {
-        Part& part = parts[i];
+void gather_trees(FrameState& frame, std::vector<GatheredRequests>& found) {
+    const std::vector<GroupRange> groups = groups_of(found);
+    std::vector<ShadeCounts> counts((groups.size() + groups_at_once - 1) / groups_at_once);
+    parallel::for_ranges(groups.size(), groups_at_once, [&](std::size_t first, std::size_t end) {
         Gatherer gatherer(frame.context.light_trees, frame.context.tracer);
-        for (std::size_t g = part.first; g < part.last; ++g)
-            gather_requests_of(frame, groups[part.area][g], static_cast<std::uint32_t>(g), gatherer, part.found);
+        for (std::size_t i = first; i < end; ++i)
+            gather_trees_of(frame, groups[i], gatherer, found[groups[i].area], counts[first / groups_at_once]);
     });
-    std::vector<GatheredRequests> found(of_area.size());
-    for (const Part& part : parts) found[part.area].append(part.found);
-    return found;
+    for (const ShadeCounts& part : counts) frame.shade_counts.add(part);
 }
 
 /// Light that a record's rays have found, as that of its plain receiver.
@@ -143,17 +177,6 @@ void gather_rays(FrameState& frame, std::vector<GatheredRequests>& found) {
 
 }  // namespace
 
-void GatheredRequests::append(const GatheredRequests& more) {
-    const auto join = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
-    join(points, more.points);
-    join(light, more.light);
-    join(lobes, more.lobes);
-    join(sets, more.sets);
-    join(pools, more.pools);
-    join(rays, more.rays);
-    counts.add(more.counts);
-}
-
 std::vector<std::vector<PointRef>> by_area(const FrameState& frame, const std::vector<std::vector<PointRef>>& of_tile) {
     std::vector<std::vector<PointRef>> of_area(frame.area_count());
     for (std::size_t t = 0; t < of_tile.size(); ++t) {
@@ -169,9 +192,9 @@ std::vector<GatheredRequests> gather(FrameState& frame, const std::vector<std::v
     // A few scattered ones fill no packet: they wait for the finer lattice.
     for (auto& list : of_area)
         if (list.size() < least) list.clear();
-    std::vector<GatheredRequests> found = gather_areas(frame, of_area);
+    std::vector<GatheredRequests> found = group_areas(frame, of_area);
     if (frame.rays != nullptr) gather_rays(frame, found);
-    for (const GatheredRequests& g : found) frame.shade_counts.add(g.counts);
+    gather_trees(frame, found);
     return found;
 }
 
@@ -266,6 +289,7 @@ std::optional<IrradianceRecord> take(FrameState& frame, const GatheredRequests& 
     record->set = g.sets[i];
     record->seen_at = frame.middle_of(ref.tile, p);
     record->tolerance = tile.tolerance[ref.index];
+    record->tolerance.base += g.known[i];
     if (ref.record == PointRef::none) {
         record->numbers = request_of(p, {}, frame.pixel_of(ref.tile, p), frame.camera()).numbers;
         if (p.point.bsdf.has_lobe() && frame.camera().has_eye()) record->lobe.depth = depth_behind(frame, g, i);
