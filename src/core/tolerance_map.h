@@ -29,8 +29,9 @@ struct Tolerance {
 /// A tolerance for every pixel of a frame. An empty map means: gather every light point without clustering.
 struct ToleranceMap {
     Plane<Tolerance> pixels;
-    float typical = 0;  ///< share of luminance that most pixels may be off by; 0: tolerances are bounds, no prices
-    float means = 1;    ///< (0, 1]: of pixels' tolerances, what they may be off by all together in blocks of 8x8
+    float typical = 0;    ///< share of luminance that most pixels may be off by; 0: tolerances are bounds, no prices
+    float means = 1;      ///< (0, 1]: of pixels' tolerances, what they may be off by all together in blocks of 8x8
+    float most_rays = 0;  ///< that gather a point's light; 0: as many as it is worth
 
     bool is_reference() const { return pixels.empty(); }
     static ToleranceMap reference() { return {}; }

@@ -27,14 +27,13 @@ perceptual::CodingPlan Coupling::steps_of(const encoder::PicturePlan& plan, int 
             {steps.intra, steps.inter, steps.intra_dc, steps.intra_dead_zone, steps.inter_dead_zone}};
 }
 
-void Coupling::take_rough_look(const core::Picture& picture, const core::Radiance& light, float tolerance,
-                               const core::Radiance& shown, const core::Visible& visible,
-                               const encoder::PicturePlan& plan) {
+void Coupling::take_rough_look(const core::Picture& picture, const core::Radiance& light, const core::Radiance& shown,
+                               const core::Visible& visible, const encoder::PicturePlan& plan) {
     state_ = model_.assume_coded(model_.observe(picture, shown, std::make_shared<const core::Visible>(visible)),
                                  steps_of(plan, plan.quantiser));
     is_judged_ = false;
     if (!settings_.fraction) {
-        share_ = expected_share(model_, *state_, light, tolerance, settings_.loss);
+        share_ = expected_share(model_, *state_, light, settings_.loss);
         share_of_predicted_ = 0;
     }
     requantised_.reset();

@@ -36,9 +36,9 @@ class Coupling {
     /// Begins a chunk or a shot.
     void forget();
     /// Replaces a missing previous picture by a rough look at the planned frame.
-    /// `light`: as it was lit, by a `tolerance` of its luminance; `shown`: as an eye gets it.
-    void take_rough_look(const core::Picture& picture, const core::Radiance& light, float tolerance,
-                         const core::Radiance& shown, const core::Visible& visible, const encoder::PicturePlan& plan);
+    /// `light`: as it was lit, by points' first rays; `shown`: as an eye gets it.
+    void take_rough_look(const core::Picture& picture, const core::Radiance& light, const core::Radiance& shown,
+                         const core::Visible& visible, const encoder::PicturePlan& plan);
     bool remembers() const { return state_.has_value(); }
     /// Takes the newest picture as coded as it was planned, where the coder has not given it back. Only if it
     /// remembers().

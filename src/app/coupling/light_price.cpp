@@ -27,27 +27,17 @@ constexpr float most_change = 2;
 /// a kitchen; eq. 3 of docs/model/gathering.md has 0.82.
 constexpr double error_power = 0.8;
 
-/// Rays that the first of a point are, and that a variance is told of.
-constexpr double first_rays = 16, batch = 8;
+/// Rays that a variance is told of.
+constexpr double batch = 8;
 
 /// Rays that a point is worth whose mean of a batch varies by so much (docs/model/gathering.md, eq. 3).
 double worth(double batch_variance, double allowed, const renderer::Allocation& allocation) {
     const double needs = renderer::samples_for(allowed, batch, batch_variance, renderer::variance_power);
-    return std::max(allocation.worth(needs), first_rays);
+    return std::max(allocation.worth(needs), 1.0 * renderer::pilot_rays);
 }
 
 double variance_of(double rays, double batch_variance) {
     return batch_variance * std::pow(batch / rays, static_cast<double>(renderer::variance_power));
-}
-
-/// The variance of a batch that rays as many as it was worth left so much of.
-double batch_variance_of(double left, double allowed, const renderer::Allocation& allocation) {
-    const double by_first = left / variance_of(first_rays, 1);
-    if (!(allowed > 0) || worth(by_first, allowed, allocation) <= first_rays) return by_first;
-    // Of a variance V they are n V^(1 / (1 + p)), which leave V^(1 / (1 + p)) (8 / n)^p.
-    constexpr double p = static_cast<double>(renderer::variance_power);
-    const double n = allocation.worth(renderer::samples_for(allowed, batch, 1, p));
-    return std::pow(left * std::pow(n / batch, p), 1 + p);
 }
 
 /// Squared standard error that a tolerance, in code values, asks of noise.
@@ -58,19 +48,14 @@ double allowed_square(double tolerance) {
 }  // namespace
 
 float expected_share(const perceptual::VisibilityModel& model, const perceptual::TemporalState& rough,
-                     const core::Radiance& light, float tolerance, double loss) {
+                     const core::Radiance& light, double loss) {
     const core::Plane<perceptual::PixelNoise> seen =
         perceptual::noise_of(rough.light, model.light(), light.error, light.shared_error);
     const core::Plane<perceptual::PixelNoise> hidden =
         perceptual::noise_of(rough.light, model.light(), rough.errors, rough.errors);
-    // How light varies without the rays that the look took.
+    // How light varies: the look took points' first rays alone.
     std::vector<double> batches(seen.size());
-    for (std::size_t i = 0; i < seen.size(); ++i) {
-        const auto of_error =
-            static_cast<double>(core::divide_or(rough.light.luminance.values()[i], rough.errors.values()[i], 0.0f));
-        const double looked = static_cast<double>(tolerance) * of_error * std::sqrt(hidden.values()[i].alone);
-        batches[i] = batch_variance_of(seen.values()[i].alone, allowed_square(looked), {.typical = tolerance});
-    }
+    for (std::size_t i = 0; i < seen.size(); ++i) batches[i] = seen.values()[i].alone / variance_of(renderer::pilot_rays, 1);
     const float low = model.requantise(rough, rough.plan).low_fraction;
     const float means = perceptual::share_of_mean(rough.plan.quantisation, {rough.plan.scale, rough.plan.intra});
     core::Plane<perceptual::PixelNoise> noise = seen;

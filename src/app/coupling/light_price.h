@@ -7,9 +7,9 @@
 namespace render2mpeg::app {
 
 /// Share for a chunk's first picture, before it is lit: from a rough look at it, and the noise of the light
-/// by which it was seen, whose price was `tolerance` of its luminance. `loss`: dB > 0.
+/// by which it was seen, which the first rays of points found. `loss`: dB > 0.
 float expected_share(const perceptual::VisibilityModel& model, const perceptual::TemporalState& rough,
-                     const core::Radiance& light, float tolerance, double loss);
+                     const core::Radiance& light, double loss);
 
 /// What a picture loses by the noise of its light, and the share by which the next of its kind lose what is asked.
 struct LightLoss {

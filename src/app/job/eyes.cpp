@@ -191,6 +191,7 @@ core::ToleranceMap packed(std::vector<core::ToleranceMap> eyes, FramePacking pac
     core::ToleranceMap all = packed_picture(eyes, packing, &core::ToleranceMap::pixels);
     all.typical = eyes.front().typical;
     all.means = eyes.front().means;
+    all.most_rays = eyes.front().most_rays;
     return all;
 }
 
@@ -207,7 +208,7 @@ core::MotionField packed(std::vector<core::MotionField> eyes, FramePacking packi
 }
 
 core::ToleranceMap part_of(const core::ToleranceMap& whole, FramePacking packing, std::size_t eye) {
-    return {part_of_plane(whole.pixels, packing, eye), whole.typical, whole.means};
+    return {part_of_plane(whole.pixels, packing, eye), whole.typical, whole.means, whole.most_rays};
 }
 
 core::MotionField part_of(const core::MotionField& whole, FramePacking packing, std::size_t eye) {

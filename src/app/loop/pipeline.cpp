@@ -14,6 +14,7 @@
 #include "encoder/latitude.h"
 #include "parallel/loops.h"
 #include "perceptual/display.h"
+#include "renderer/base/allocation.h"
 #include "renderer/view/mattes.h"
 #include "scene/preparation/traits.h"
 
@@ -271,15 +272,15 @@ void ChunkLoop::look_roughly(const EyeSnapshots& worlds, const std::vector<rende
         }
         core::ToleranceMap about =
             core::ToleranceMap::uniform(frames[e].visible.width(), frames[e].visible.height(), {0.0f, rough_tolerance});
-        about.typical = rough_tolerance;  // rays by price: dark corners need not keep it
+        about.typical = rough_tolerance;
+        about.most_rays = renderer::pilot_rays;  // dark corners need not keep it
         eyes.push_back(renderer_.light(*worlds[e], frames[e], {about, renderer::LightingMode::ahead}));
     }
     const PackedLight rough = pack(std::move(eyes), worlds.front()->time);
     const StageTimer timer(statistics_, Stage::tolerate);
     core::Picture picture = display_.develop(rough.as_shown());
     picture.number = plan.number;
-    coupling_->take_rough_look(picture, rough.lit.radiance, rough_tolerance, rough.as_shown(), rough.lit.frame.visible,
-                               plan);
+    coupling_->take_rough_look(picture, rough.lit.radiance, rough.as_shown(), rough.lit.frame.visible, plan);
 }
 
 std::vector<renderer::Lit> ChunkLoop::light(const EyeSnapshots& worlds, std::vector<renderer::Frame> frames,

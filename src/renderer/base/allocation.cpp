@@ -1,5 +1,7 @@
 #include "renderer/base/allocation.h"
 
+#include <algorithm>
+
 #include "core/numeric.h"
 
 namespace render2mpeg::renderer {
@@ -13,7 +15,8 @@ constexpr double worth_rays = 10.0;
 
 double Allocation::worth(double rays) const {
     constexpr double gain = variance_power / (1.0 + variance_power);
-    return typical > 0.0f ? std::pow(rays, gain) * std::pow(worth_rays / typical, 1.0 - gain) : rays;
+    const double worth = typical > 0.0f ? std::pow(rays, gain) * std::pow(worth_rays / typical, 1.0 - gain) : rays;
+    return most > 0.0f ? std::min(worth, 1.0 * most) : worth;
 }
 
 double Allocation::left(double rays) const {

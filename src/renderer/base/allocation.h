@@ -1,6 +1,7 @@
 #pragma once
 // How many samples an estimate gets: one law for edges, exposures, lamps, rays, records, hair and photons.
 #include <cmath>
+#include <cstdint>
 
 namespace render2mpeg::renderer {
 
@@ -20,13 +21,17 @@ inline double samples_for(double allowed, double samples, double variance, doubl
 /// and a box; independent rays have 1, a smooth integrand more than 2.
 inline constexpr float variance_power = 1.2f;
 
+/// Rays of a point's pilot, its first: two batches of 8.
+inline constexpr std::uint32_t pilot_rays = 16;
+
 /// Worth of samples in a picture: those that a tolerance asks for, at the price of all others
 /// (docs/model/gathering.md#how-many-rays).
 struct Allocation {
     float typical = 0;  ///< ToleranceMap::typical; 0: tolerances are bounds, whatever they cost
     float means = 1;    ///< ToleranceMap::means
+    float most = 0;     ///< ToleranceMap::most_rays
 
-    /// N of N_T rays, which would meet the tolerance (docs/model/gathering.md, eq. 3).
+    /// N of N_T rays, which would meet the tolerance (docs/model/gathering.md, eq. 3), at most `most`.
     double worth(double rays) const;
     /// Mean square error that these leave, over the square of the tolerance's standard error.
     double left(double rays) const;

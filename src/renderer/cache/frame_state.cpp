@@ -10,7 +10,7 @@ FrameState::FrameState(const LightingContext& lit_by, const scene::Snapshot& ins
       snapshot(instant),
       limits(cut_limits),
       rays(final_gather),
-      allocation{context.tolerance.typical, context.tolerance.means},
+      allocation{context.tolerance.typical, context.tolerance.means, context.tolerance.most_rays},
       records(store),
       other(left),
       grid(seen().visible.width(), seen().visible.height()),

@@ -21,9 +21,6 @@ namespace render2mpeg::renderer {
 /// Rays of a request without a tolerance, and of one with it at most.
 inline constexpr std::uint32_t most_gather_rays = 4096;
 
-/// Rays of a point's pilot: two batches of 8.
-inline constexpr std::uint32_t pilot_rays = 16;
-
 struct PointSums;
 class RayGuide;
 
