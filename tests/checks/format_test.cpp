@@ -49,7 +49,7 @@ TEST(Format, OfAFileThatClangFormatWouldChangeIsFound) {
 
 /// Where Python stumbles over the scripts below `places`; empty where it reads all.
 std::string unreadable_scripts(const std::string& folder, const std::string& places) {
-    return run("cd " + folder + " && find " + places +
+    return run("cd '" + folder + "' && find " + places +
                " -name '*.py' -print0 | xargs -0 python3 -c \"import ast, sys; [ast.parse(open(f).read(), f) for f in "
                "sys.argv[1:]]\" 2>&1")
         .output;

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <fstream>
 #include <string>
+#include <tuple>
 
 #include "app/job/eyes.h"
 #include "pipeline/fixture.h"
@@ -64,13 +65,18 @@ TEST(StereoPacking, OfPartsIsUndoneByTakingTheParts) {
             core::ToleranceMap map = core::ToleranceMap::uniform(3, 2, {});
             for (std::size_t i = 0; i < 6; ++i) map.pixels.values()[i].absolute = first + static_cast<float>(i);
             map.typical = 0.5f;
+            map.means = 0.25f;
+            map.most_rays = 16;
             eyes.push_back(map);
         }
         const core::ToleranceMap whole = app::packed(eyes, packing);
         EXPECT_EQ(whole.pixels.width(), packing == FramePacking::side_by_side ? 6 : 3);
         EXPECT_EQ(whole.pixels.size(), 12u);
-        EXPECT_EQ(whole.typical, 0.5f);
-        for (const std::size_t e : {0u, 1u}) EXPECT_EQ(app::part_of(whole, packing, e).pixels, eyes[e].pixels);
+        for (const std::size_t e : {0u, 1u}) {
+            const core::ToleranceMap part = app::part_of(whole, packing, e);
+            EXPECT_EQ(part.pixels, eyes[e].pixels);
+            EXPECT_EQ(std::tuple(part.typical, part.means, part.most_rays), std::tuple(0.5f, 0.25f, 16.0f));
+        }
     }
 }
 

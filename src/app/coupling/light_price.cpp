@@ -53,9 +53,10 @@ float expected_share(const perceptual::VisibilityModel& model, const perceptual:
         perceptual::noise_of(rough.light, model.light(), light.error, light.shared_error);
     const core::Plane<perceptual::PixelNoise> hidden =
         perceptual::noise_of(rough.light, model.light(), rough.errors, rough.errors);
-    // How light varies: the look took points' first rays alone.
+    // How light varies: the look took first rays alone, but where records were known.
     std::vector<double> batches(seen.size());
-    for (std::size_t i = 0; i < seen.size(); ++i) batches[i] = seen.values()[i].alone / variance_of(renderer::pilot_rays, 1);
+    for (std::size_t i = 0; i < seen.size(); ++i)
+        batches[i] = seen.values()[i].alone / variance_of(renderer::pilot_rays, 1);
     const float low = model.requantise(rough, rough.plan).low_fraction;
     const float means = perceptual::share_of_mean(rough.plan.quantisation, {rough.plan.scale, rough.plan.intra});
     core::Plane<perceptual::PixelNoise> noise = seen;

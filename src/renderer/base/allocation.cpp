@@ -1,7 +1,5 @@
 #include "renderer/base/allocation.h"
 
-#include <algorithm>
-
 #include "core/numeric.h"
 
 namespace render2mpeg::renderer {
@@ -15,8 +13,7 @@ constexpr double worth_rays = 10.0;
 
 double Allocation::worth(double rays) const {
     constexpr double gain = variance_power / (1.0 + variance_power);
-    const double worth = typical > 0.0f ? std::pow(rays, gain) * std::pow(worth_rays / typical, 1.0 - gain) : rays;
-    return most > 0.0f ? std::min(worth, 1.0 * most) : worth;
+    return capped(typical > 0.0f ? std::pow(rays, gain) * std::pow(worth_rays / typical, 1.0 - gain) : rays);
 }
 
 double Allocation::left(double rays) const {

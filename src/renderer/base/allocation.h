@@ -33,6 +33,7 @@ struct Allocation {
 
     /// N of N_T rays, which would meet the tolerance (docs/model/gathering.md, eq. 3), at most `most`.
     double worth(double rays) const;
+    double capped(double rays) const { return most > 0.0f && rays > 1.0 * most ? 1.0 * most : rays; }
     /// Mean square error that these leave, over the square of the tolerance's standard error.
     double left(double rays) const;
     /// A pixel's mean square error, with what of it the mean of its block has at the price of that.

@@ -54,7 +54,7 @@ std::uint32_t wanted_rays(const FrameState& frame, const NewRecord& fresh, Local
     const float light = core::luminance(light_of(frame, fresh, blend(fit, frame.records)).scattered(query->point)),
                 tolerance = query->tolerance.allows_noise(light) / core::errors_of_noise;
     const double has = record.ray_count, most = most_growth * has;
-    if (!(tolerance > 0.0f)) return static_cast<std::uint32_t>(most);
+    if (!(tolerance > 0.0f)) return static_cast<std::uint32_t>(frame.allocation.capped(most));
     double needs =
         samples_for(tolerance * tolerance, has, frame.allocation.priced(error.square, error.of_block), variance_power);
     if (fit.size() < few_records) {

@@ -1,6 +1,7 @@
 #include "renderer/cache/gather_requests.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <span>
@@ -30,9 +31,13 @@ std::vector<GatheredRequests> group_areas(const FrameState& frame, const std::ve
         g.light.resize(g.points.size());
         g.lobes.resize(g.points.size());
         g.rays.resize(g.points.size());
-        g.known.resize(g.points.size());
     });
     return found;
+}
+
+/// Luminance as a part of what a pixel is known to show; 0 of what is not finite.
+float as_base(double luminance) {
+    return luminance > 0.0 && luminance < 1e30 ? static_cast<float>(luminance) : 0.0f;
 }
 
 /// Points of a group: places in the lists of an area.
@@ -51,16 +56,21 @@ std::vector<GroupRange> groups_of(const std::vector<GatheredRequests>& found) {
     return groups;
 }
 
-/// Tells what pixels show of the light that rays found, about: a point's own first rays tell less than its group's.
-void know_rays(const GatherPoint* const (&receivers)[lane_count], const GroupRange& group, GatheredRequests& g) {
-    double white = 0;
-    for (std::size_t i = group.first; i < group.end; ++i) {
-        const GatherPoint& receiver = *receivers[i - group.first];
-        white += core::divide_or(shown_luminance(receiver, g.rays[i].light), 1.0 * receives(receiver), 0.0);
+/// Luminance that pixels get of what rays found, about, for errors of cuts to hide in. First rays tell little of their
+/// own point: the mean of its group does, unless it would be `most_over_own` times as much. chosen: 4; not tuned.
+std::array<float, lane_count> known_of_rays(const GatherPoint* const (&receivers)[lane_count],
+                                            std::span<const RayLight> rays) {
+    constexpr double most_over_own = 4;
+    std::array<double, lane_count> white{};
+    double mean = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        white[i] = core::divide_or(shown_luminance(*receivers[i], rays[i].light), 1.0 * receives(*receivers[i]), 0.0);
+        mean += white[i] / static_cast<double>(rays.size());
     }
-    white /= static_cast<double>(group.end - group.first);
-    for (std::size_t i = group.first; i < group.end && std::isfinite(white); ++i)
-        g.known[i] = static_cast<float>(std::max(white, 0.0)) * receives(*receivers[i - group.first]);
+    std::array<float, lane_count> known{};
+    for (std::size_t i = 0; i < rays.size(); ++i)
+        known[i] = as_base(std::min(mean, most_over_own * white[i]) * static_cast<double>(receives(*receivers[i])));
+    return known;
 }
 
 /// Light of light trees.
@@ -76,12 +86,12 @@ void gather_trees_of(const FrameState& frame, const GroupRange& group, Gatherer&
         receivers[i] = plain_receiver(*pointers[i]);
         pointers[i] = &receivers[i];
     }
-    know_rays(pointers, group, g);
+    const auto known = known_of_rays(pointers, std::span(g.rays).subspan(group.first, count));
     GroupTolerance tolerance;
     for (std::size_t i = 0; i < lane_count; ++i) {
-        const std::size_t k = group.first + std::min(i, count - 1);
-        PointTolerance own = frame.tiles[g.points[k].tile].tolerance[g.points[k].index];
-        own.base += g.known[k];
+        const PointRef& ref = g.points[group.first + std::min(i, count - 1)];
+        PointTolerance own = frame.tiles[ref.tile].tolerance[ref.index];
+        own.base += known[std::min(i, count - 1)];
         tolerance.set(static_cast<int>(i), own);
     }
     GatherLanes lanes;
@@ -225,8 +235,10 @@ void gather_trees_again(FrameState& frame, std::span<const GatherPoint> receiver
             GroupTolerance tolerance;
             for (std::size_t i = 0; i < lane_count; ++i) {
                 const std::uint32_t record = group[std::min(i, group.size() - 1)].record;
-                tolerance.set(static_cast<int>(i), frame.records[record].tolerance);
                 pointers[i] = &receivers[record];
+                PointTolerance own = frame.records[record].tolerance;
+                own.base += as_base(shown_luminance(receivers[record], frame.records[record].by_rays));
+                tolerance.set(static_cast<int>(i), own);
             }
             GatherLanes lanes;
             fill(lanes, std::span<const GatherPoint* const>(pointers, group.size()));
@@ -289,7 +301,6 @@ std::optional<IrradianceRecord> take(FrameState& frame, const GatheredRequests& 
     record->set = g.sets[i];
     record->seen_at = frame.middle_of(ref.tile, p);
     record->tolerance = tile.tolerance[ref.index];
-    record->tolerance.base += g.known[i];
     if (ref.record == PointRef::none) {
         record->numbers = request_of(p, {}, frame.pixel_of(ref.tile, p), frame.camera()).numbers;
         if (p.point.bsdf.has_lobe() && frame.camera().has_eye()) record->lobe.depth = depth_behind(frame, g, i);

@@ -16,7 +16,6 @@ struct GatheredRequests {
     std::vector<std::uint8_t> sets;    ///< of representatives
     std::vector<std::uint32_t> pools;  ///< GatherRequest::pool, within the area
     std::vector<RayLight> rays;        ///< of records the first; of other points all
-    std::vector<float> known;          ///< luminance that pixels get of light of rays, about: trees' errors hide in it
 };
 
 /// Requests by area, so that those of neighbouring tiles share cuts.

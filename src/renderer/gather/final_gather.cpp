@@ -381,8 +381,8 @@ void FinalGather::want_rays(std::span<const GatherRequest> requests, std::span<c
         const double T = requests[i].tolerance.allows_noise(static_cast<float>(mean)) / core::errors_of_noise;
         // Of points that may not err those that show most get most.
         const double shown = std::min(static_cast<double>(core::luminance(requests[i].point->weight)), 1.0);
-        const double N =
-            T > 0.0 ? allocation.worth(samples_for(T * T, batch_rays, V_8, variance_power)) : most_gather_rays * shown;
+        const double N = T > 0.0 ? allocation.worth(samples_for(T * T, batch_rays, V_8, variance_power))
+                                 : allocation.capped(most_gather_rays * shown);
         const auto rays = static_cast<std::uint32_t>(std::clamp(N, 1.0 * pilot_rays, 1.0 * most_gather_rays));
         wanted[i] = (rays + batch_rays - 1) / batch_rays * batch_rays;
     }

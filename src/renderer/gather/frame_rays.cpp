@@ -46,7 +46,8 @@ void add_rays(FinalGather& gather, const scene::Camera& camera, const LightingCo
             ++pool;
         }
     }
-    const std::vector<RayLight> rays = gather.gather(requests, {.typical = tolerance.typical, .most = tolerance.most_rays});
+    const std::vector<RayLight> rays =
+        gather.gather(requests, {.typical = tolerance.typical, .most = tolerance.most_rays});
     for (std::size_t k = 0; k < requests.size(); ++k) add(rays[k], *requests[k].point, *of_request[k]);
 }
 
