@@ -13,6 +13,7 @@
 #include "parallel/loops.h"
 #include "renderer/cut/gatherer.h"
 #include "renderer/gather/frame_rays.h"
+#include "renderer/gather/ray_sums.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -80,8 +81,8 @@ void gather_trees_of(const FrameState& frame, const GroupRange& group, Gatherer&
     const std::size_t count = group.end - group.first;
     GatherPoint receivers[lane_count];
     const GatherPoint* pointers[lane_count];
-    for (std::size_t i = 0; i < count; ++i) {
-        pointers[i] = &frame.point(g.points[group.first + i]);
+    for (std::size_t i = 0; i < lane_count; ++i) {
+        pointers[i] = &frame.point(g.points[group.first + std::min(i, count - 1)]);
         if (!uses_cache(*pointers[i])) continue;
         receivers[i] = plain_receiver(*pointers[i]);
         pointers[i] = &receivers[i];
