@@ -225,6 +225,51 @@ TEST(LobeRays, OfAFloorShowAShiningBoxHoweverFewLightPointsItHasSlow) {
     }
 }
 
+TEST(LobeRays, OfAFloorShowWhatAPolishedWallShowsSlow) {
+    // The wall x = 0 mirrors a shining bar to the floor.
+    const glm::vec3 low(2.5f, 1.6f, -1), high(2.6f, 1.9f, 1);
+    SceneBuilder b;
+    b.add_quad({0, 0, 2}, {2, 0, 0}, {0, 0, -4}, add_metal(b, 0.2f));
+    b.add_quad({0, 0, 2}, {0, 0, -4}, {0, 3, 0}, add_metal(b, 0.15f));
+    b.add_box(low, high, b.add_emitter({1, 1, 1}));
+    b.add_camera({4, 1.5f, 0}, {1.2f, 0, 0}, 0.25f);
+    Settings settings = without_bounces(16, 16);
+    settings.samples = 1;
+    settings.bounces = 1;
+    settings.vpls = 1000;
+    FilmStage stage(b, settings);
+    const Frame seen = stage.renderer().look(stage.at(0));
+    const core::Radiance frame = stage.reference();
+    double sum = 0, expected = 0, error = 0;
+    for (std::size_t t = 0; t < seen.tiles.size(); ++t)
+        for (const GatherPoint& p : seen.tiles[t]) {
+            if (!p.point.bsdf.has_narrow_lobe() || p.point.shading_normal.y < 0.9f) continue;
+            double shown = 0, all = 0;
+            for (std::uint64_t i = 0; i < 4096; ++i) {
+                const LobeSample s = sample_glossy(p.point.bsdf, p.point.shading_normal, p.point.outgoing,
+                                                   {core::halton(0, i), core::halton(1, i)});
+                all += s.weight.y;
+                const glm::vec3 met = p.point.position - s.direction * (p.point.position.x / s.direction.x);
+                if (!(s.direction.x < 0 && met.y < 3 && std::abs(met.z) < 2)) continue;
+                Bsdf wall = p.point.bsdf;
+                wall.alpha = 0.15f * 0.15f;
+                const LobeSample w =
+                    sample_glossy(wall, {1, 0, 0}, -s.direction, {core::halton(2, i), core::halton(3, i)});
+                if (meets_box(met, w.direction, low, high)) shown += s.weight.y * w.weight.y;
+            }
+            const glm::ivec2 at = seen.place_of(t, p.pixel);
+            const double found = frame.combined.at(at.x, at.y).y;
+            sum += found;
+            expected += shown / all;
+            error += std::abs(found - shown / all);
+        }
+    RecordProperty("error", std::to_string(error / expected));
+    RecordProperty("mean", std::to_string(sum / expected));
+    EXPECT_GT(expected, 10.0);
+    EXPECT_NEAR(sum / expected, 1.0, 0.02);
+    EXPECT_LT(error / expected, 0.06);
+}
+
 TEST(LobeRays, LeaveSoftSunsToLamps) {
     SceneBuilder b;
     b.add_quad({-1, 0, 1}, {2, 0, 0}, {0, 0, -2}, add_metal(b, 0.3f));

@@ -1,13 +1,16 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <limits>
 #include <string>
 #include <vector>
 
+#include "core/sampling.h"
 #include "image/image.h"
 #include "renderer/surface/posed_scene.h"
+#include "renderer/surface/shading_normal.h"
 #include "stage.h"
 
 namespace render2mpeg::test {
@@ -110,6 +113,35 @@ TEST(ShadingNormals, StaySeenFromTheEyeAtAnyAngle) {
         EXPECT_GT(glm::dot(point.shading_normal, point.outgoing), 0.0f) << i;
         EXPECT_GT(glm::dot(point.shading_normal, point.geometric_normal), 0.0f) << i;
     }
+}
+
+TEST(ShadingNormals, OfWhatMirrorsShowNothingBelowTheTriangle) {
+    const glm::vec3 geometric(0, 0, 1);
+    int turned = 0;
+    for (std::uint64_t i = 0; i < 2000; ++i) {
+        const float slope = 1.4f * core::halton(0, i), around = 6.2831853f * core::halton(1, i);
+        const float height = std::max(core::halton(2, i), 1e-4f), side = std::sqrt(1.0f - height * height);
+        const glm::vec3 outgoing(side, 0, height);
+        const glm::vec3 tilted(std::sin(slope) * std::cos(around), std::sin(slope) * std::sin(around), std::cos(slope));
+        const glm::vec3 before = renderer::turned_to_viewer(tilted, geometric, outgoing);
+        const glm::vec3 n = renderer::turned_to_mirror(before, geometric, outgoing);
+        const auto mirrored = [&](glm::vec3 by) { return (2.0f * glm::dot(by, outgoing) * by - outgoing).z; };
+        const float least = std::min(0.9f * height, 0.01f);
+        ASSERT_NEAR(glm::length(n), 1.0f, 1e-5f);
+        ASSERT_GT(mirrored(n), least - 1e-5f) << i;
+        ASSERT_GT(glm::dot(n, outgoing), 0.0f) << i;
+        if (mirrored(before) >= least) {
+            ASSERT_EQ(n, before);
+            continue;
+        }
+        ++turned;
+        // Just so far, and within the plane.
+        ASSERT_NEAR(mirrored(n), least, 1e-5f) << i;
+        ASSERT_NEAR(glm::dot(n, glm::cross(before, geometric)), 0.0f, 1e-5f) << i;
+        ASSERT_GT(glm::dot(n, before), glm::dot(geometric, before) - 1e-5f) << i;
+    }
+    EXPECT_GT(turned, 500);
+    EXPECT_EQ(renderer::turned_to_mirror(geometric, geometric, {1, 0, 0}), geometric);
 }
 
 TEST(Textures, AreAveragedOverTheFootprint) {

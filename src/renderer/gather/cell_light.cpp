@@ -18,10 +18,6 @@ namespace {
 /// bounces off a surface of 0.5; what is asked from elsewhere as well goes on.
 constexpr float least_carried = 0.001f;
 
-/// Lobes seen by a cell are at least so wide: what a mirror-like floor throws is a matter of caustics, and would be
-/// noise here. chosen: 0.25 of alpha, a roughness of 0.5; not tuned.
-constexpr float least_alpha = 0.25f;
-
 /// Directions among which a place's ray is chosen. chosen: 4; by one, a closed room of roughness 0.9 and albedo 0.8 is
 /// 7 % dark.
 constexpr std::uint64_t candidates = 4;
@@ -91,6 +87,7 @@ struct CellLight::Bounce {
     float carried = 1;  ///< CellQuery
     CellUpdate* update = nullptr;
     std::uint8_t depth = 0;
+    float lobe = 0;  ///< alpha of the polished metal that it leaves; 0: it leaves no such
 };
 
 /// Results of some places.
@@ -112,9 +109,8 @@ LightChoices CellLight::light_choices() const {
     return {std::min(peaked_choices, static_cast<std::uint32_t>(sources_->lamps().lights().size())), peaked_choices};
 }
 
-/// Light of lamps, shining surfaces and the image of a sky, by next events.
-glm::vec3 CellLight::lamps(const Scatterer& at, const Stream& numbers, LightChoices choices,
-                           std::uint64_t& rays) const {
+glm::vec3 CellLight::lamps(const Scatterer& at, const Stream& numbers, LightChoices choices, std::uint64_t& rays,
+                           const Scatterer* wide) const {
     const LightQuery& query = at.query();
     glm::vec3 sum(0);
     // One of the directions has a ray, as likely as the place scatters light from there if nothing is in the way.
@@ -128,7 +124,8 @@ glm::vec3 CellLight::lamps(const Scatterer& at, const Stream& numbers, LightChoi
             const auto u = [&](std::uint64_t which) { return numbers.uniform(use, 4 * k + which); };
             const LightSample s = lights.sample(query, (static_cast<float>(k) + u(0)) / n, {u(1), u(2)});
             if (!(core::luminance(s.light) > 0.0f) || !query.may_see(s.direction)) continue;
-            const Scattered to = at.scattered(s.direction, s.density > 0.0f);
+            const Scattered to =
+                (s.density > 0.0f || wide == nullptr ? at : *wide).scattered(s.direction, s.density > 0.0f);
             glm::vec3 candidate = to.share * s.light;
             if (!(core::luminance(candidate) > 0.0f)) continue;
             if (s.density > 0.0f) candidate *= n * s.density / (n * s.density + to.density);
@@ -180,14 +177,18 @@ void CellLight::light_place(const CellQuery& place, const Stream& numbers, CellU
     if (!(brightest > 0.0f)) return;
     const float scale = std::min(largest_albedo / brightest, 1.0f);
     p.bsdf.scale(scale);
-    p.bsdf.alpha = std::max(p.bsdf.alpha, least_alpha);
-    p.bsdf.alpha_along = std::max(p.bsdf.alpha_along, least_alpha);
+    const float alpha = p.bsdf.alpha;
+    Scatterer polished;
+    if (place.polished) polished = Scatterer(posed_scene_, p);
+    p.bsdf.alpha = std::max(p.bsdf.alpha, least_alpha_of_cells);
+    p.bsdf.alpha_along = std::max(p.bsdf.alpha_along, least_alpha_of_cells);
 
-    const Scatterer at(posed_scene_, p);
+    const Scatterer wide(posed_scene_, p);
+    const Scatterer& at = place.polished ? polished : wide;
     update.fibres = p.fibre;
     update.albedo += p.fibre ? at.albedo() : scale * weight * albedo;
     const LightChoices choices = p.fibre ? light_choices() : LightChoices{};
-    const glm::vec3 direct = weight * lamps(at, numbers, choices, out.rays);
+    const glm::vec3 direct = weight * lamps(at, numbers, choices, out.rays, &wide);
     const float share = near_field_.share(p.position);
     if (core::is_finite(direct)) {
         update.known += direct;
@@ -209,7 +210,8 @@ void CellLight::light_place(const CellQuery& place, const Stream& numbers, CellU
                            place.depth > 0 ? 0.5f * place.size : 0.0f,
                            place.carried,
                            &update,
-                           place.depth});
+                           place.depth,
+                           place.polished ? alpha : 0.0f});
 }
 
 /// Follows the rays of all places. Links of updates are their terms.
@@ -226,6 +228,8 @@ void CellLight::follow_bounces(Found& out) const {
         rules.asked = &asked;
         rules.near = b.near;
         rules.depth = b.depth;
+        rules.is_lobe = b.lobe > 0.0f;
+        rules.spread = rules.is_lobe ? std::min(cell_spread, 0.5f * b.lobe) : cell_spread;
         CellUpdate& update = *b.update;
         const auto first = static_cast<std::uint32_t>(out.terms.size());
         const glm::vec3 known =

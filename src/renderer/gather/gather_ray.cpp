@@ -131,12 +131,18 @@ GatherRays::GatherRays(const PosedScene& posed_scene, const Plan& plan)
         plain_.push_back(plain && m.alpha_mode == scene::AlphaMode::opaque);
         cut_out_.push_back(plain && m.alpha_mode != scene::AlphaMode::opaque);
         shines_.push_back(m.emits() && !m.unlit);
+        metal_.push_back(m.metallic >= 1.0f && !m.unlit);
     }
     if (!plan.runs(Pass::hair)) return;
     for (const scene::Object& object : film.objects) {
         fibre_cells_.push_back(fibre_cell_of(film.meshes[static_cast<std::size_t>(object.mesh)],
                                              film.materials[static_cast<std::size_t>(object.material)]));
     }
+}
+
+/// Whether a surface has but a lobe that cells would widen.
+bool GatherRays::is_polished(const SurfacePoint& p) {
+    return p.bsdf.has_lobe() && !p.bsdf.has_diffuse() && p.bsdf.alpha < least_alpha_of_cells;
 }
 
 /// The cell of a hit: of one object, one of six directions that its normal is nearest to, a cube of the world whose
@@ -252,8 +258,9 @@ glm::vec3 GatherRays::follow(RayQuery ray, Hit hit, const RayRules& rules, const
             ray.origin = posed_scene_.origin_behind(hit.address, ray.direction);
             continue;
         }
-        const CellQuery place = cell_query(ray, hit, distance, rules, numbers.at(static_cast<std::uint64_t>(step)));
-        if ((plain_[material] || cut_out) && ahead == 0.0f && !mirrored && !shines && !is_black) {
+        CellQuery place = cell_query(ray, hit, distance, rules, numbers.at(static_cast<std::uint64_t>(step)));
+        const bool may_be_polished = rules.is_lobe && metal_[material];
+        if ((plain_[material] || cut_out) && ahead == 0.0f && !mirrored && !shines && !is_black && !may_be_polished) {
             chosen.offer(passing, place);
             break;
         }
@@ -264,6 +271,11 @@ glm::vec3 GatherRays::follow(RayQuery ray, Hit hit, const RayRules& rules, const
         if (is_black) break;
         if (asked == nullptr && sky_in_panes_ > 0.0f && !behind_body && !mirrored)
             known += passing * sky_in_pane(p, rules.solid_angle, rays);
+        if (may_be_polished && rules.depth < most_own_cells && is_polished(p)) {
+            place.key = numbers.at(static_cast<std::uint64_t>(step)).bits() | own_cell;
+            place.depth = static_cast<std::uint8_t>(rules.depth + 1);
+            place.polished = true;
+        }
         const glm::vec3 shown = passing * p.alpha;
         if (rules.is_lobe && p.unlit) known += shown * p.emission;
         if (p.bsdf.has_diffuse() || p.bsdf.has_glossy() || p.bsdf.has_diffuse_transmission() || p.fibre)

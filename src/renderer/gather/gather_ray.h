@@ -25,6 +25,7 @@ struct CellQuery {
     float carried = 1;       ///< share of a gather ray's light that comes from here, bounces that lie between counted
     std::uint8_t depth = 0;  ///< of a cell of its own: how many such cells lie between it and the point; else 0
     bool fibre = false;      ///< of hair
+    bool polished = false;   ///< its lobe is seen as narrow as it is, by the one ray whose cell this is
 
     bool operator<(const CellQuery& other) const { return key < other.key; }
 };
@@ -61,14 +62,19 @@ struct AskedLights {
 /// time in Sponza, and errs by 0.5 % in the mean instead of 0.8.
 inline constexpr float cell_spread = 0.12f;
 
+/// Lobes seen by cells that rays share are at least so wide (alpha): what a mirror-like floor throws is a matter of
+/// caustics, and would be noise there. chosen: 0.25, a roughness of 0.5; not tuned.
+inline constexpr float least_alpha_of_cells = 0.25f;
+
 /// How a ray is looked along.
 struct RayRules {
     float near = 0;                      ///< hits nearer than this get a cell of their own, world
     float brightest = 0;                 ///< luminance that the sky shows at most
     const AskedLights* asked = nullptr;  ///< set: emitters are seen, but in mirrors; null: surfaces shine not
     bool bounces = true;                 ///< surfaces send what they bounce
-    bool is_lobe = false;                ///< of a narrow lobe: it is mirrored on and sees unlit surfaces
-    float spread = cell_spread;          ///< size of cells over the ray's length
+    /// Of a narrow lobe: it is mirrored on, sees unlit surfaces, and polished metal by a cell of its own.
+    bool is_lobe = false;
+    float spread = cell_spread;  ///< size of cells over the ray's length
     /// Of the sky that it sees. chosen: pi / 1024 of pi / 64 to pi / 1024: wider ones show a floor the sky below its
     /// horizon, by pi / 64 2 % too much of a bright one.
     float solid_angle = std::numbers::pi_v<float> / 1024;
@@ -100,6 +106,7 @@ class GatherRays {
     float fibre_cell(std::uint32_t object) const;
     CellQuery cell_query(const RayQuery& ray, const Hit& hit, float distance, const RayRules& rules,
                          const Stream& numbers) const;
+    static bool is_polished(const SurfacePoint& p);
 
     const PosedScene& posed_scene_;
     bool sky_light_, bounces_;  ///< passes of the plan
@@ -107,6 +114,7 @@ class GatherRays {
     float extent_;              ///< of the scene, world: places are sorted by its parts
     int extent_level_;          ///< power of two in it: scaled scenes have the same cells
     std::vector<bool> plain_;   ///< by material: opaque, neither mirror nor glass
+    std::vector<bool> metal_;   ///< by material: it may be polished metal
     std::vector<bool> shines_;
     std::vector<bool> cut_out_;       ///< by material: plain but for holes
     std::vector<float> fibre_cells_;  ///< by object: the least size of cells among its strands, in its own space;

@@ -8,6 +8,7 @@
 #include "renderer/surface/dielectric.h"
 #include "renderer/surface/lobe_albedo.h"
 #include "renderer/surface/principled.h"
+#include "renderer/surface/shading_normal.h"
 #include "renderer/surface/sheen.h"
 #include "renderer/surface/thin_film.h"
 #include "scene/preparation/traits.h"
@@ -117,17 +118,6 @@ void bound_body(Bsdf& bsdf, const Interface& surface, float index, float cos_out
     bsdf.f0 = glm::vec3{0.0f};
     bsdf.diffuse =
         glm::min((1.0f - reflected) * bsdf.diffuse, glm::max(1.0f - bsdf.mirror - bsdf.transmission, glm::vec3{0.0f}));
-}
-
-/// A shading normal that `outgoing` and the geometric normal both see: below the horizon it would be black.
-glm::vec3 turned_to_viewer(glm::vec3 normal, glm::vec3 geometric, glm::vec3 outgoing) {
-    // chosen: about half a degree above the horizon; tried 0.001..0.1, black rims at silhouettes come back below 0.005.
-    constexpr float least_cosine = 0.01f;
-    glm::vec3 n = glm::dot(normal, geometric) > 0.0f ? normal : geometric;
-    const float cosine = glm::dot(n, outgoing);
-    if (cosine >= least_cosine) return n;
-    n = core::normalize_or(n + (least_cosine - cosine) * outgoing, geometric);
-    return glm::dot(n, geometric) > 0.0f ? n : geometric;
 }
 
 }  // namespace
@@ -282,6 +272,8 @@ void SurfaceMaterials::fill(SurfacePoint& point, const SurfaceShape& shape, cons
     if (m.model != scene::SurfaceModel::gltf) keep_energy(point.bsdf, cosine);
     // What neither part reflects needs no light, whatever shape it would have: a mirror of Blender's is left.
     if (!point.bsdf.has_diffuse() && !point.bsdf.has_lobe()) point.bsdf.shape = {};
+    if (point.bsdf.shows_things())
+        point.shading_normal = turned_to_mirror(point.shading_normal, point.geometric_normal, point.outgoing);
 }
 
 /// Applies the normal map, and turns everything to the viewer. `variance`: of the map's slopes within the footprint.
