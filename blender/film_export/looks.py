@@ -3,6 +3,8 @@
 whose value has to be baked."""
 import math
 
+import bpy
+
 from . import rays
 from .angles import COLORS, NODES, NUMBERS, is_angled
 from .nodes import incoming, number_of
@@ -98,7 +100,8 @@ class Look:
 
     def is_matt(self):
         """Whether it is a Diffuse BSDF."""
-        return self.is_plain() and self.model == "gltf" and self.ior == 1.0 and self.metallic == Constant(0.0)
+        shines = self.model != "gltf" and (self.specular, self.gloss) != (0.0, Constant((0.0, 0.0, 0.0)))
+        return self.is_plain() and not shines and self.ior == 1.0 and self.metallic == Constant(0.0)
 
     def is_gloss(self):
         """Whether it is a Glossy BSDF."""
@@ -390,8 +393,11 @@ class Reader:
         return [round(min(max(c, 0.0), 1.0), 6) for c in value.value]
 
     def read_bsdf_diffuse(self, node):
-        return Look(base=self.input(node, ["Color"], True), ior=1.0, normal=self.normal(node),
+        look = Look(base=self.input(node, ["Color"], True), ior=1.0, normal=self.normal(node),
                     diffuse_roughness=self.constant(node, ["Roughness"], 0.0))
+        if look.diffuse_roughness and bpy.app.version >= (4, 3, 0):  # light goes on among its facets
+            look.model, look.specular = "principled-4", 0.0
+        return look
 
     def read_bsdf_glossy(self, node):
         """A metal whose edges reflect as its middle does."""
@@ -423,9 +429,13 @@ class Reader:
         return look
 
     def read_bsdf_sheen(self, node):
-        self.tell(node, f"{node.bl_label}; shown by glTF's fibres")
         rough = self.constant_or(node, [n for n in ("Roughness", "Sigma") if n in node.inputs], 0.5)
-        return Look(base=Constant((0.0, 0.0, 0.0)), ior=1.0, sheen=self.input(node, ["Color"], True), sheen_roughness=rough)
+        look = Look(base=Constant((0.0, 0.0, 0.0)), ior=1.0, sheen=self.input(node, ["Color"], True), sheen_roughness=rough)
+        if getattr(node, "distribution", "") == "MICROFIBER":
+            look.model, look.specular = "principled-4", 0.0
+        else:
+            self.tell(node, f"{node.bl_label}; shown by glTF's fibres")
+        return look
 
     read_bsdf_velvet = read_bsdf_sheen
 

@@ -52,6 +52,11 @@ def add_primitive(kind, material=None, smooth=False, name=None, **says):
     return thing
 
 
+# Inputs of the Principled BSDF in Blender 4.
+LATER_NAMES = {"Specular": "Specular IOR Level", "Sheen": "Sheen Weight", "Clearcoat": "Coat Weight", "Clearcoat Roughness": "Coat Roughness",
+               "Transmission": "Transmission Weight", "Subsurface": "Subsurface Weight", "Emission": "Emission Color"}
+
+
 def add_material(name, color=(0.8, 0.8, 0.8), **inputs):
     material = bpy.data.materials.new(name)
     material.use_nodes = True
@@ -59,7 +64,8 @@ def add_material(name, color=(0.8, 0.8, 0.8), **inputs):
     node.inputs["Base Color"].default_value = (*color, 1)
     node.inputs["Roughness"].default_value = 0.9
     for key, value in inputs.items():
-        node.inputs[key.replace("_", " ").title()].default_value = value
+        key = key.replace("_", " ").title()
+        input_of(node, key, LATER_NAMES.get(key, key)).default_value = value
     return material
 
 

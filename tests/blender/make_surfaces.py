@@ -11,7 +11,7 @@ import sys
 import bpy
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from make_blends import add_camera, add_lamp, add_material, add_matt, add_object, add_primitive, input_of, start, world_of  # noqa: E402
+from make_blends import LATER_NAMES, add_camera, add_lamp, add_material, add_matt, add_object, add_primitive, input_of, start, world_of  # noqa: E402
 
 COLUMNS, ROWS = 6, 4
 
@@ -24,11 +24,6 @@ def start_of_all_light(bounces=24):
     cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = cycles.transmission_bounces = bounces
     cycles.caustics_reflective, cycles.blur_glossy = True, 0
     return scene
-
-
-# Inputs of the Principled BSDF in Blender 4.
-LATER_NAMES = {"Specular": "Specular IOR Level", "Sheen": "Sheen Weight", "Clearcoat": "Coat Weight", "Clearcoat Roughness": "Coat Roughness",
-               "Transmission": "Transmission Weight", "Subsurface": "Subsurface Weight", "Emission": "Emission Color"}
 
 
 def shader_of(name, kind, color, **says):

@@ -120,7 +120,7 @@ TEST(BlendSurfacesSlow, ThatAreNotKeptAreToldByObjectMaterialAndNode) {
         const std::string glb = contents(entry.path() / "scene.glb");
         EXPECT_NE(glb.find("\"attenuationDistance\":0.5"), std::string::npos);
         const auto film = nlohmann::json::parse(contents(entry.path() / "film.json"));
-        EXPECT_EQ(film["materials"]["Green"]["model"], "principled-3");
+        EXPECT_TRUE(film["materials"]["Green"]["model"].get<std::string>().starts_with("principled-"));
     }
 }
 

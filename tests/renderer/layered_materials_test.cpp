@@ -113,6 +113,29 @@ TEST(Sheen, ItsAlbedoIsTheIntegralOfItsFormula) {
                 << cosine << " " << roughness;
 }
 
+TEST(Sheen, OfBlenderFourIsThatOfItsBalls) {
+    // In an even world, by Cycles of Blender 4.5.
+    struct Seen {
+        float roughness, cosine, albedo;
+    };
+    for (const Seen& seen : {Seen{0.2f, 0.113f, 0.2694f},
+                             {0.2f, 0.213f, 0.0745f},
+                             {0.2f, 0.963f, 0.0001f},
+                             {0.5f, 0.113f, 0.5376f},
+                             {0.5f, 0.413f, 0.2131f},
+                             {0.5f, 0.963f, 0.0224f},
+                             {1.0f, 0.113f, 0.6922f},
+                             {1.0f, 0.413f, 0.538f},
+                             {1.0f, 0.963f, 0.3502f}})
+        EXPECT_NEAR(microfibre_albedo(seen.cosine, seen.roughness), seen.albedo, 0.01f)
+            << seen.roughness << " " << seen.cosine;
+    for (const float cosine : {0.0f, 0.5f, 1.0f})
+        for (const float roughness : {0.0f, 0.05f, 0.3f, 1.0f}) {
+            EXPECT_GE(microfibre_albedo(cosine, roughness), 0.0f);
+            EXPECT_LE(microfibre_albedo(cosine, roughness), 1.0f);
+        }
+}
+
 TEST(Sheen, RisesTowardsGrazingAnglesAndTakesFromBelow) {
     const LitStage plain(layered_floor([](scene::Material&) {})), cloth(layered_floor([](scene::Material&m) {
         m.sheen = {1, 0, 0};

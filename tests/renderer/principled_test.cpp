@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "core/sampling.h"
 #include "renderer/surface/dielectric.h"
@@ -226,6 +227,15 @@ TEST(RoughDiffuse, OfBlenderFourKeepsTheEnergyOfWhite) {
         roughen(material, cosine, grey);
         EXPECT_NEAR(diffuse_albedo(white, cosine).x, 1, 0.01) << cosine;
         EXPECT_LT(diffuse_albedo(grey, cosine).x, 0.5f) << cosine;
+    }
+    // A ball in an even world, by Cycles of Blender 4.3 and 4.5.
+    const std::pair<float, glm::vec3> seen[] = {
+        {0.2f, {0.8901f, 0.5788f, 0.1898f}}, {0.6f, {0.8704f, 0.5362f, 0.1692f}}, {0.97f, {0.8588f, 0.5111f, 0.1571f}}};
+    for (const auto& [cosine, albedo] : seen) {
+        Bsdf bsdf;
+        bsdf.diffuse = {0.9f, 0.6f, 0.2f};
+        roughen(material, cosine, bsdf);
+        for (int c = 0; c < 3; ++c) EXPECT_NEAR(diffuse_albedo(bsdf, cosine)[c], albedo[c], 0.003f) << cosine;
     }
 }
 

@@ -65,11 +65,14 @@ inline std::string contents(const std::filesystem::path& file) {
 }
 
 /// Blender with these words, which name files by absolute paths: the one that ctest names, which serves all tests, or
-/// the user's. Its working directory goes with it: its simulations write there.
+/// the user's, also a Python whose module `bpy` it is. Its working directory goes with it: its simulations write there.
 inline Outcome blender(const std::string& words) {
     const char* named = std::getenv("RENDER2MPEG_BLENDER");
+    std::string program = named != nullptr ? named : "blender";
+    if (std::filesystem::path(program).filename().string().starts_with("python"))
+        program += " " + (source_folder() / "blender/bpy_program.py").string();
     const Folder scratch;
-    return run("cd " + scratch.path().string() + " && " + (named != nullptr ? named : "blender") +
+    return run("cd " + scratch.path().string() + " && " + program +
                " -b --factory-startup --disable-autoexec -noaudio --python-exit-code 1 " + words);
 }
 /// A Blender of the test's own, whatever ctest names: for what depends on how it is started.

@@ -108,6 +108,19 @@ bool go_on(const PosedScene& scene, const SurfacePoint& p, float choice, glm::ve
     return true;
 }
 
+bool scatters(const SurfacePoint& p) {
+    return p.bsdf.has_diffuse() || p.bsdf.has_glossy() || p.bsdf.has_diffuse_transmission() || p.fibre;
+}
+
+/// The place, in a cell of its own where the surface has but a lobe that others' would widen.
+CellQuery polished(CellQuery place, const SurfacePoint& p, const RayRules& rules, const Stream& numbers) {
+    if (rules.depth >= most_own_cells || p.bsdf.has_diffuse() || !(p.bsdf.alpha < least_alpha_of_cells)) return place;
+    place.key = numbers.bits() | own_cell;
+    place.depth = static_cast<std::uint8_t>(rules.depth + 1);
+    place.polished = true;
+    return place;
+}
+
 /// Takes what the air on the way to the hit leaves of light, and adds what its volumes send if they are `bright`.
 void pass_air(const Air& air, const RayQuery& ray, const Hit& hit, bool bright, glm::vec3& passing, glm::vec3& known) {
     const float way = hit.found() ? hit.distance : std::numeric_limits<float>::infinity();
@@ -138,11 +151,6 @@ GatherRays::GatherRays(const PosedScene& posed_scene, const Plan& plan)
         fibre_cells_.push_back(fibre_cell_of(film.meshes[static_cast<std::size_t>(object.mesh)],
                                              film.materials[static_cast<std::size_t>(object.material)]));
     }
-}
-
-/// Whether a surface has but a lobe that cells would widen.
-bool GatherRays::is_polished(const SurfacePoint& p) {
-    return p.bsdf.has_lobe() && !p.bsdf.has_diffuse() && p.bsdf.alpha < least_alpha_of_cells;
 }
 
 /// The cell of a hit: of one object, one of six directions that its normal is nearest to, a cube of the world whose
@@ -258,7 +266,8 @@ glm::vec3 GatherRays::follow(RayQuery ray, Hit hit, const RayRules& rules, const
             ray.origin = posed_scene_.origin_behind(hit.address, ray.direction);
             continue;
         }
-        CellQuery place = cell_query(ray, hit, distance, rules, numbers.at(static_cast<std::uint64_t>(step)));
+        const auto at = static_cast<std::uint64_t>(step);
+        const CellQuery place = cell_query(ray, hit, distance, rules, numbers.at(at));
         const bool may_be_polished = rules.is_lobe && metal_[material];
         if ((plain_[material] || cut_out) && ahead == 0.0f && !mirrored && !shines && !is_black && !may_be_polished) {
             chosen.offer(passing, place);
@@ -271,18 +280,11 @@ glm::vec3 GatherRays::follow(RayQuery ray, Hit hit, const RayRules& rules, const
         if (is_black) break;
         if (asked == nullptr && sky_in_panes_ > 0.0f && !behind_body && !mirrored)
             known += passing * sky_in_pane(p, rules.solid_angle, rays);
-        if (may_be_polished && rules.depth < most_own_cells && is_polished(p)) {
-            place.key = numbers.at(static_cast<std::uint64_t>(step)).bits() | own_cell;
-            place.depth = static_cast<std::uint8_t>(rules.depth + 1);
-            place.polished = true;
-        }
         const glm::vec3 shown = passing * p.alpha;
         if (rules.is_lobe && p.unlit) known += shown * p.emission;
-        if (p.bsdf.has_diffuse() || p.bsdf.has_glossy() || p.bsdf.has_diffuse_transmission() || p.fibre)
-            chosen.offer(shown, place);
+        if (scatters(p)) chosen.offer(shown, may_be_polished ? polished(place, p, rules, numbers.at(at)) : place);
         behind_body = behind_body || (rules.bodies_block && bends_light(posed_scene_, p));
-        const float choice = numbers.uniform(1, static_cast<std::uint64_t>(step));
-        if (!go_on(posed_scene_, p, choice, ray.direction, passing, mirrored)) break;
+        if (!go_on(posed_scene_, p, numbers.uniform(1, at), ray.direction, passing, mirrored)) break;
         ray.origin = offset_origin(p, ray.direction);
     }
     if (bounces_ && rules.bounces) chosen.put(terms);

@@ -106,7 +106,6 @@ class GatherRays {
     float fibre_cell(std::uint32_t object) const;
     CellQuery cell_query(const RayQuery& ray, const Hit& hit, float distance, const RayRules& rules,
                          const Stream& numbers) const;
-    static bool is_polished(const SurfacePoint& p);
 
     const PosedScene& posed_scene_;
     bool sky_light_, bounces_;  ///< passes of the plan

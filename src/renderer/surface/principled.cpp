@@ -177,7 +177,8 @@ void roughen(const scene::Material& m, float cosine, Bsdf& bsdf) {
     constexpr float pi = std::numbers::pi_v<float>;
     const float seen = std::min(bsdf.shape.albedo(cosine), 1.0f);
     const float mean = bsdf.shape.flat + bsdf.shape.rough * (2.0f / 3 - 28.0f / (15 * pi));
-    const glm::vec3 more = bsdf.diffuse * (mean * (1.0f - seen)) / (1.0f - bsdf.diffuse * (1.0f - mean));
+    // Blender has the colour once more than [Portsmouth2025].
+    const glm::vec3 more = bsdf.diffuse * bsdf.diffuse * (mean * (1.0f - seen)) / (1.0f - bsdf.diffuse * (1.0f - mean));
     bsdf.diffuse *= 1.0f + more / std::max(seen, 0.1f);
 }
 

@@ -78,4 +78,21 @@ float sheen_albedo(float cosine, float roughness) {
     return std::lerp(std::lerp(table[j][i], table[j][i + 1], u), std::lerp(table[j + 1][i], table[j + 1][i + 1], u), v);
 }
 
+float microfibre_albedo(float cosine, float roughness) {
+    // Rows by powers of the root of the cosine, columns by those of the roughness' logarithm.
+    constexpr float fit[4][5] = {{-0.24542f, 0.12793f, 1.56896f, 1.59692f, 0.37808f},
+                                 {-0.02474f, 1.01662f, -8.01049f, -8.5941f, -1.35427f},
+                                 {-0.98183f, -1.83224f, 12.76263f, 11.06397f, -1.67978f},
+                                 {0.17008f, 3.28504f, -7.4257f, -0.75307f, 4.20385f}};
+    const float u = std::sqrt(std::clamp(cosine, 0.0f, 1.0f));
+    const float v = std::log(std::clamp(roughness, static_cast<float>(least_roughness), 1.0f));
+    float sum = 0;
+    for (int i = 3; i >= 0; --i) {
+        float row = 0;
+        for (int j = 4; j >= 0; --j) row = row * v + fit[i][j];
+        sum = sum * u + row;
+    }
+    return std::min(std::exp(sum), 1.0f);
+}
+
 }  // namespace render2mpeg::renderer

@@ -355,7 +355,9 @@ void SurfaceMaterials::add_sheen(std::uint32_t material, const SurfaceShape& sha
         bsdf.diffuse += color * (albedo / diffuse_share(bsdf, cos_outgoing));
         return;
     }
-    const float albedo = std::min(sheen_albedo(cos_outgoing, roughness), 1.0f);
+    const float albedo = m.model == scene::SurfaceModel::principled_4
+                             ? microfibre_albedo(cos_outgoing, roughness)
+                             : std::min(sheen_albedo(cos_outgoing, roughness), 1.0f);
     const float below = 1.0f - largest(color) * albedo;
     bsdf.scale(below);
     bsdf.diffuse += color * (albedo / diffuse_share(bsdf, cos_outgoing));
