@@ -55,9 +55,10 @@ struct Drawn {
 };
 
 /// One of some directions, in proportion to what the surface throws from there: those below a rough surface are never
-/// chosen, and lobes get no more rays than light.
+/// chosen, and lobes get no more rays than light. A narrow lobe throws alike to all that it draws.
 Drawn draw(const Scatterer& at, const Stream& numbers) {
-    const std::uint64_t count = at.is_fibre() || !at.point().bsdf.has_lobe() ? 1 : candidates;
+    const Bsdf& bsdf = at.point().bsdf;
+    const std::uint64_t count = at.is_fibre() || !bsdf.has_lobe() || bsdf.alpha < least_alpha_of_cells ? 1 : candidates;
     Drawn chosen;
     Resampled of;
     for (std::uint64_t k = 0; k < count; ++k) {
