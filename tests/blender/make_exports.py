@@ -37,7 +37,7 @@ def bumped(name, strength):
     material = add_material(name, (0.6, 0.4, 0.3))
     nodes, links = material.node_tree.nodes, material.node_tree.links
     noise, bump = nodes.new("ShaderNodeTexNoise"), nodes.new("ShaderNodeBump")
-    bump.inputs["Strength"].default_value = strength
+    bump.inputs["Strength"].default_value, bump.inputs["Distance"].default_value = strength, 1.0
     links.new(noise.outputs["Fac"], bump.inputs["Height"])
     links.new(bump.outputs[0], nodes["Principled BSDF"].inputs["Normal"])
     return material
