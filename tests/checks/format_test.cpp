@@ -1,4 +1,4 @@
-// Every C++ file is as clang-format 14 has it with the tree's .clang-format; Python reads every script.
+// Every C++ file is as clang-format 14 has it with the tree's .clang-format; Python reads every .py.
 #include "tests/support/places.h"
 #include "tests/support/program.h"
 
