@@ -22,7 +22,7 @@ SHADERS = [
     ("ADD_SHADER", "Add Shader", KEPT, "Emission to anything; plain Diffuse and Glossy; else the first, told"),
     ("MIX_SHADER", "Mix Shader", KEPT, "Transparent is coverage; plain Diffuse and Glossy; else input by input"),
     ("BSDF_HAIR_PRINCIPLED", "Principled Hair BSDF", KEPT, "Chiang's; textures and random values told"),
-    ("BSDF_SHEEN", "Sheen BSDF", NEAR, "glTF's fibres"),
+    ("BSDF_SHEEN", "Sheen BSDF", KEPT, "Ashikhmin's as glTF's fibres, told"),
     ("BSDF_VELVET", "Velvet BSDF", NEAR, "glTF's fibres"),
     ("BSDF_METALLIC", "Metallic BSDF", NEAR, "one reflectance"),
     ("BSDF_REFRACTION", "Refraction BSDF", NEAR, "glass, which reflects"),

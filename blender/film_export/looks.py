@@ -558,7 +558,8 @@ class Reader:
         out = Look(normal=first.normal or second.normal, surface=first.surface or second.surface)
         total = self.value(factor)
         share = total.value if isinstance(total, Constant) else 0.5
-        models = {look.model for look in looks if not look.is_matt()} or {"gltf"}
+        models = ({look.model for look in looks if not look.is_matt()} or {look.model for look in looks if look.diffuse_roughness}
+                  or {"gltf"})
         if len(models) > 1:
             self.tell(node, "mix of shaders of different models; all of it is that of the heavier part")
         out.model = models.pop() if len(models) == 1 else (first if share <= 0.5 else second).model

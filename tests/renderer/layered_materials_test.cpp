@@ -129,11 +129,14 @@ TEST(Sheen, OfBlenderFourIsThatOfItsBalls) {
                              {1.0f, 0.963f, 0.3502f}})
         EXPECT_NEAR(microfibre_albedo(seen.cosine, seen.roughness), seen.albedo, 0.01f)
             << seen.roughness << " " << seen.cosine;
-    for (const float cosine : {0.0f, 0.5f, 1.0f})
-        for (const float roughness : {0.0f, 0.05f, 0.3f, 1.0f}) {
-            EXPECT_GE(microfibre_albedo(cosine, roughness), 0.0f);
-            EXPECT_LE(microfibre_albedo(cosine, roughness), 1.0f);
+    for (const float roughness : {0.0f, 0.1f, 0.15f, 0.3f, 0.6f, 1.0f}) {
+        EXPECT_LT(microfibre_albedo(0, roughness), 0.8f) << roughness;
+        for (int k = 1; k < 64; ++k) {
+            const float cosine = static_cast<float>(k) / 64;
+            EXPECT_LE(microfibre_albedo(cosine, roughness), microfibre_albedo(cosine - 1.0f / 64, roughness) + 1e-3f)
+                << roughness << " " << cosine;
         }
+    }
 }
 
 TEST(Sheen, RisesTowardsGrazingAnglesAndTakesFromBelow) {

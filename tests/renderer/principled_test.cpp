@@ -223,8 +223,8 @@ TEST(RoughDiffuse, OfBlenderFourKeepsTheEnergyOfWhite) {
         Bsdf white, grey;
         white.diffuse = glm::vec3(1);
         grey.diffuse = glm::vec3(0.5f);
-        roughen(material, cosine, white);
-        roughen(material, cosine, grey);
+        roughen(material, white.diffuse, cosine, white);
+        roughen(material, grey.diffuse, cosine, grey);
         EXPECT_NEAR(diffuse_albedo(white, cosine).x, 1, 0.01) << cosine;
         EXPECT_LT(diffuse_albedo(grey, cosine).x, 0.5f) << cosine;
     }
@@ -234,7 +234,7 @@ TEST(RoughDiffuse, OfBlenderFourKeepsTheEnergyOfWhite) {
     for (const auto& [cosine, albedo] : seen) {
         Bsdf bsdf;
         bsdf.diffuse = {0.9f, 0.6f, 0.2f};
-        roughen(material, cosine, bsdf);
+        roughen(material, bsdf.diffuse, cosine, bsdf);
         for (int c = 0; c < 3; ++c) EXPECT_NEAR(diffuse_albedo(bsdf, cosine)[c], albedo[c], 0.003f) << cosine;
     }
 }

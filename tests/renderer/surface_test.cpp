@@ -135,13 +135,43 @@ TEST(ShadingNormals, OfWhatMirrorsShowNothingBelowTheTriangle) {
             continue;
         }
         ++turned;
-        // Just so far, and within the plane.
+        // The least turn, within the plane.
         ASSERT_NEAR(mirrored(n), least, 1e-5f) << i;
         ASSERT_NEAR(glm::dot(n, glm::cross(before, geometric)), 0.0f, 1e-5f) << i;
         ASSERT_GT(glm::dot(n, before), glm::dot(geometric, before) - 1e-5f) << i;
     }
     EXPECT_GT(turned, 500);
     EXPECT_EQ(renderer::turned_to_mirror(geometric, geometric, {1, 0, 0}), geometric);
+}
+
+TEST(ShadingNormals, OfMetalAndVarnishTurnTheirLobesAndFresnelTerms) {
+    SceneBuilder builder;
+    const int metal = builder.add_material(), varnish = builder.add_material({0.5f, 0.5f, 0.5f}),
+              matt = builder.add_material();
+    builder.material(metal).metallic = 1;
+    builder.material(metal).roughness = 0.1f;
+    builder.material(varnish).metallic = 0;
+    builder.material(varnish).roughness = 0;
+    builder.material(varnish).ior = 1.5f;
+    builder.material(matt).metallic = 0;
+    builder.material(matt).roughness = 0.9f;
+    scene::Mesh mesh = SceneBuilder::quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0});
+    mesh.normals.assign(4, glm::normalize(glm::vec3{1, 0, 1}));
+    const int shape = builder.add_mesh(mesh);
+    for (const int material : {metal, varnish, matt}) builder.add_object(shape, material);
+    const Stage stage(builder);
+    const auto seen = [&](std::uint32_t object) {
+        return stage.posed_scene().surface_at({object, 0, 0.3f, 0.3f}, glm::normalize(glm::vec3(-1, 0, 1)));
+    };
+    for (const std::uint32_t object : {0u, 1u}) {
+        const SurfacePoint p = seen(object);
+        EXPECT_NEAR((2.0f * glm::dot(p.shading_normal, p.outgoing) * p.shading_normal - p.outgoing).z, 0.01f, 1e-4f)
+            << object;
+    }
+    EXPECT_LT(glm::dot(seen(2).shading_normal, seen(2).outgoing), 0.02f);
+    // Half a right angle away, not grazing.
+    EXPECT_LT(seen(1).bsdf.mirror.y, 0.3f);
+    EXPECT_GT(seen(1).bsdf.diffuse.y, 0.3f);
 }
 
 TEST(Textures, AreAveragedOverTheFootprint) {

@@ -55,10 +55,9 @@ struct Drawn {
 };
 
 /// One of some directions, in proportion to what the surface throws from there: those below a rough surface are never
-/// chosen, and lobes get no more rays than light. A narrow lobe throws alike to all that it draws.
-Drawn draw(const Scatterer& at, const Stream& numbers) {
-    const Bsdf& bsdf = at.point().bsdf;
-    const std::uint64_t count = at.is_fibre() || !bsdf.has_lobe() || bsdf.alpha < least_alpha_of_cells ? 1 : candidates;
+/// chosen, and lobes get no more rays than light. Those of a polished surface count as they are drawn.
+Drawn draw(const Scatterer& at, bool polished, const Stream& numbers) {
+    const std::uint64_t count = polished || at.is_fibre() || !at.point().bsdf.has_lobe() ? 1 : candidates;
     Drawn chosen;
     Resampled of;
     for (std::uint64_t k = 0; k < count; ++k) {
@@ -196,10 +195,12 @@ void CellLight::light_place(const CellQuery& place, const Stream& numbers, CellU
         update.near += share * direct;
     }
 
-    const Drawn drawn = draw(at, numbers);
+    const Drawn drawn = draw(at, place.polished, numbers);
+    const glm::vec3 of_place = weight;
     weight *= drawn.weight;
     if (!(core::luminance(weight) > 0.0f) || !core::is_finite(weight)) return;
-    update.drawn += weight;
+    // Directions that fall below a polished surface are lost in the mean: no other candidate makes up for them.
+    update.drawn += place.polished ? scale * of_place * albedo : weight;
     out.rays += 1;
     out.bounces.push_back({{at.origin_of(drawn.direction), drawn.direction, std::numeric_limits<float>::infinity()},
                            at.query(),

@@ -39,7 +39,8 @@ class CellLight {
     void pose(NearField near_field);
 
     /// Light of lamps, shining surfaces and the image of a sky that a place scatters, by next-event estimation: a
-    /// shadow ray for each kind, in one of so many directions. `wide`: scatters light that rays cannot meet.
+    /// shadow ray for each kind, in one of so many directions. `wide`: scatters light that rays
+    /// cannot meet; null: `at` does.
     glm::vec3 lamps(const Scatterer& at, const Stream& numbers, LightChoices choices, std::uint64_t& rays,
                     const Scatterer* wide = nullptr) const;
     /// Those worth choosing among where scattering peaks, as fibres' does.

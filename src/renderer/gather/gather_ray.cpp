@@ -108,11 +108,17 @@ bool go_on(const PosedScene& scene, const SurfacePoint& p, float choice, glm::ve
     return true;
 }
 
+/// Whether its lobe may be narrower than those of shared cells.
+bool may_be_polished(const scene::Material& m) {
+    return m.roughness * m.roughness < least_alpha_of_cells || m.metallic_roughness_texture.present() ||
+           m.curve_of(scene::AngledInput::roughness) != nullptr;
+}
+
 bool scatters(const SurfacePoint& p) {
     return p.bsdf.has_diffuse() || p.bsdf.has_glossy() || p.bsdf.has_diffuse_transmission() || p.fibre;
 }
 
-/// The place, in a cell of its own where the surface has but a lobe that others' would widen.
+/// The place; where the surface is nothing but a lobe narrower than shared cells have, in a cell of its own.
 CellQuery polished(CellQuery place, const SurfacePoint& p, const RayRules& rules, const Stream& numbers) {
     if (rules.depth >= most_own_cells || p.bsdf.has_diffuse() || !(p.bsdf.alpha < least_alpha_of_cells)) return place;
     place.key = numbers.bits() | own_cell;
@@ -144,7 +150,7 @@ GatherRays::GatherRays(const PosedScene& posed_scene, const Plan& plan)
         plain_.push_back(plain && m.alpha_mode == scene::AlphaMode::opaque);
         cut_out_.push_back(plain && m.alpha_mode != scene::AlphaMode::opaque);
         shines_.push_back(m.emits() && !m.unlit);
-        metal_.push_back(m.metallic >= 1.0f && !m.unlit);
+        metal_.push_back(m.metallic >= 1.0f && !m.unlit && may_be_polished(m));
     }
     if (!plan.runs(Pass::hair)) return;
     for (const scene::Object& object : film.objects) {
@@ -268,8 +274,8 @@ glm::vec3 GatherRays::follow(RayQuery ray, Hit hit, const RayRules& rules, const
         }
         const auto at = static_cast<std::uint64_t>(step);
         const CellQuery place = cell_query(ray, hit, distance, rules, numbers.at(at));
-        const bool may_be_polished = rules.is_lobe && metal_[material];
-        if ((plain_[material] || cut_out) && ahead == 0.0f && !mirrored && !shines && !is_black && !may_be_polished) {
+        const bool metal = rules.is_lobe && metal_[material];
+        if ((plain_[material] || cut_out) && ahead == 0.0f && !mirrored && !shines && !is_black && !metal) {
             chosen.offer(passing, place);
             break;
         }
@@ -282,7 +288,7 @@ glm::vec3 GatherRays::follow(RayQuery ray, Hit hit, const RayRules& rules, const
             known += passing * sky_in_pane(p, rules.solid_angle, rays);
         const glm::vec3 shown = passing * p.alpha;
         if (rules.is_lobe && p.unlit) known += shown * p.emission;
-        if (scatters(p)) chosen.offer(shown, may_be_polished ? polished(place, p, rules, numbers.at(at)) : place);
+        if (scatters(p)) chosen.offer(shown, metal ? polished(place, p, rules, numbers.at(at)) : place);
         behind_body = behind_body || (rules.bodies_block && bends_light(posed_scene_, p));
         if (!go_on(posed_scene_, p, numbers.uniform(1, at), ray.direction, passing, mirrored)) break;
         ray.origin = offset_origin(p, ray.direction);

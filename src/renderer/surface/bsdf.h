@@ -65,7 +65,7 @@ struct Bsdf {
     float mean_alpha() const { return is_stretched() ? std::sqrt(alpha * alpha_along) : alpha; }
     /// Whether rays look along the lobe (final_gather.h).
     bool has_narrow_lobe() const { return has_lobe() && alpha < narrow_alpha; }
-    /// Whether it shows things: where they lie below the surface it would be black.
+    /// Whether it mirrors, sharply or in a narrow lobe: black where that points below the triangle.
     bool shows_things() const { return has_narrow_lobe() || mirror.x > 0 || mirror.y > 0 || mirror.z > 0; }
     bool has_diffuse_transmission() const {
         return diffuse_transmission.x > 0 || diffuse_transmission.y > 0 || diffuse_transmission.z > 0;

@@ -171,14 +171,14 @@ void lay_coat(const scene::Material& m, const CoatInputs& in, Bsdf& bsdf) {
     bsdf.diffuse += lobe / diffuse_share(bsdf, in.cosine);
 }
 
-void roughen(const scene::Material& m, float cosine, Bsdf& bsdf) {
+void roughen(const scene::Material& m, glm::vec3 color, float cosine, Bsdf& bsdf) {
     bsdf.shape = DiffuseShape::oren_nayar(m.diffuse_roughness);
     if (m.model != scene::SurfaceModel::principled_4) return;
     constexpr float pi = std::numbers::pi_v<float>;
     const float seen = std::min(bsdf.shape.albedo(cosine), 1.0f);
     const float mean = bsdf.shape.flat + bsdf.shape.rough * (2.0f / 3 - 28.0f / (15 * pi));
     // Blender has the colour once more than [Portsmouth2025].
-    const glm::vec3 more = bsdf.diffuse * bsdf.diffuse * (mean * (1.0f - seen)) / (1.0f - bsdf.diffuse * (1.0f - mean));
+    const glm::vec3 more = color * color * (mean * (1.0f - seen)) / (1.0f - color * (1.0f - mean));
     bsdf.diffuse *= 1.0f + more / std::max(seen, 0.1f);
 }
 

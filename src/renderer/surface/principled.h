@@ -38,7 +38,7 @@ void lay_coat(const scene::Material& m, const CoatInputs& in, Bsdf& bsdf);
 
 /// Gives the diffuse part the material's roughness; since Blender 4.3 with light that facets send to each other.
 /// [Fujii2012; Portsmouth2025]
-void roughen(const scene::Material& m, float cosine, Bsdf& bsdf);
+void roughen(const scene::Material& m, glm::vec3 color, float cosine, Bsdf& bsdf);
 
 /// Lowers the diffuse part until no channel sends more than it receives of even light.
 void keep_energy(Bsdf& bsdf, float cosine);

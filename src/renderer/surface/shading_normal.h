@@ -24,7 +24,7 @@ inline glm::vec3 turned_to_viewer(glm::vec3 normal, glm::vec3 geometric, glm::ve
 /// triangle. With z along the geometric normal and x across, at an angle t to z the mirrored direction has the height
 ///     x sin 2t + z cos 2t = |(x, z)| cos(2t - atan(x / z)).
 inline glm::vec3 turned_to_mirror(glm::vec3 normal, glm::vec3 geometric, glm::vec3 outgoing) {
-    // As high as Cycles has it, whose films are to look alike.
+    // chosen: Cycles' own, since films are to look alike.
     constexpr float least_height = 0.01f, of_outgoing = 0.9f;
     const float z = glm::dot(outgoing, geometric), along = glm::dot(normal, geometric);
     const float least = std::min(of_outgoing * z, least_height);

@@ -80,11 +80,13 @@ float sheen_albedo(float cosine, float roughness) {
 
 float microfibre_albedo(float cosine, float roughness) {
     // Rows by powers of the root of the cosine, columns by those of the roughness' logarithm.
-    constexpr float fit[4][5] = {{-0.24542f, 0.12793f, 1.56896f, 1.59692f, 0.37808f},
-                                 {-0.02474f, 1.01662f, -8.01049f, -8.5941f, -1.35427f},
-                                 {-0.98183f, -1.83224f, 12.76263f, 11.06397f, -1.67978f},
-                                 {0.17008f, 3.28504f, -7.4257f, -0.75307f, 4.20385f}};
-    const float u = std::sqrt(std::clamp(cosine, 0.0f, 1.0f));
+    // fit: docs/measurements.md#sheen
+    constexpr float least_cosine = 0.07f;
+    constexpr float fit[4][5] = {{-0.24599f, 0.11867f, 1.54161f, 1.57089f, 0.37322f},
+                                 {-0.02203f, 1.06486f, -7.85481f, -8.43702f, -1.32535f},
+                                 {-0.98602f, -1.91244f, 12.48337f, 10.76954f, -1.7314f},
+                                 {0.17216f, 3.32821f, -7.26352f, -0.57333f, 4.23538f}};
+    const float u = std::sqrt(std::clamp(cosine, least_cosine, 1.0f));
     const float v = std::log(std::clamp(roughness, static_cast<float>(least_roughness), 1.0f));
     float sum = 0;
     for (int i = 3; i >= 0; --i) {

@@ -7,8 +7,8 @@ namespace render2mpeg::renderer {
 /// 0.1 as at 0.1. [KHR_materials_sheen]
 float sheen_albedo(float cosine, float roughness);
 
-/// The same of the layer of fibres that Blender's Principled BSDF has from version 4 on [Zeltner2022]: a fit to what
-/// Cycles 4.5 shows of a ball in an even world, within 0.01 from roughness 0.1 on.
+/// The same of Blender's fibres from version 4 on [Zeltner2022]: a fit to balls in an even world by Cycles 4.5, within
+/// 0.01 from cosine 0.07 and roughness 0.1 on; below as there.
 float microfibre_albedo(float cosine, float roughness);
 
 }  // namespace render2mpeg::renderer

@@ -239,10 +239,21 @@ glm::vec3 SurfaceMaterials::transmittance_at(std::uint32_t material, const Surfa
 
 void SurfaceMaterials::fill(SurfacePoint& point, const SurfaceShape& shape, const ObjectInstant& object, float index,
                             Holes holes) const {
+    Detail detail;
+    bend_normal(point, shape, object, detail.normal_variance);
+    reflect(point, shape, object, index, holes, detail);
+    if (!point.bsdf.shows_things()) return;
+    const glm::vec3 turned = turned_to_mirror(point.shading_normal, point.geometric_normal, point.outgoing);
+    if (turned == point.shading_normal) return;
+    point.shading_normal = turned;
+    reflect(point, shape, object, index, holes, detail);
+}
+
+/// All but normals, as seen at the shading normal.
+void SurfaceMaterials::reflect(SurfacePoint& point, const SurfaceShape& shape, const ObjectInstant& object, float index,
+                               Holes holes, Detail detail) const {
     const std::uint32_t material = point.material;
     const scene::Material& m = animation_.materials[material];
-    float variance = 0.0f;
-    bend_normal(point, shape, object, variance);
     const float cosine = glm::dot(point.shading_normal, point.outgoing);
     const glm::vec4 base = base_color_at(material, shape, object.snapshot(), cosine);
     point.alpha = coverage(material, shape, base.a);
@@ -257,12 +268,10 @@ void SurfaceMaterials::fill(SurfacePoint& point, const SurfaceShape& shape, cons
     point.fibre = hair_ && m.hair && shape.mesh->has_curves();
     if (point.fibre) return;
     const glm::vec3 color = unit_range(glm::vec3(base));
-    Detail detail;
-    detail.normal_variance = variance;
     if (m.diffuse_transmission > 0.0f && !m.specular_glossiness) detail.leaf = leaf_at(material, shape);
     if (m.anisotropy > 0.0f) brush(point, shape, object, detail);
     point.bsdf = bsdf_at(material, shape, color, cosine, detail, index);
-    if (m.diffuse_roughness > 0.0f) roughen(m, cosine, point.bsdf);
+    if (m.diffuse_roughness > 0.0f) roughen(m, color, cosine, point.bsdf);
     if (!point.bsdf.has_lobe() && !point.bsdf.shape.is_lambert()) point.bsdf.alpha = 1.0f;
     if (detail.leaf.share > 0.0f) part_sides(point.bsdf, color, detail.leaf.share, detail.leaf.color, cosine);
     if (m.has_sheen()) add_sheen(material, shape, cosine, point.bsdf);
@@ -272,8 +281,6 @@ void SurfaceMaterials::fill(SurfacePoint& point, const SurfaceShape& shape, cons
     if (m.model != scene::SurfaceModel::gltf) keep_energy(point.bsdf, cosine);
     // What neither part reflects needs no light, whatever shape it would have: a mirror of Blender's is left.
     if (!point.bsdf.has_diffuse() && !point.bsdf.has_lobe()) point.bsdf.shape = {};
-    if (point.bsdf.shows_things())
-        point.shading_normal = turned_to_mirror(point.shading_normal, point.geometric_normal, point.outgoing);
 }
 
 /// Applies the normal map, and turns everything to the viewer. `variance`: of the map's slopes within the footprint.

@@ -70,6 +70,8 @@ class SurfaceMaterials {
         float anisotropy = 0;       ///< 0..1
         glm::vec3 along{0};         ///< see Bsdf
     };
+    void reflect(SurfacePoint& point, const SurfaceShape& shape, const ObjectInstant& object, float index, Holes holes,
+                 Detail detail) const;
     void brush(const SurfacePoint& point, const SurfaceShape& shape, const ObjectInstant& object, Detail& detail) const;
     void add_sheen(std::uint32_t material, const SurfaceShape& shape, float cos_outgoing, Bsdf& bsdf) const;
     static void stretch(const Detail& detail, Bsdf& bsdf);
