@@ -53,8 +53,6 @@ parser.add_argument("--page", type=pathlib.Path)
 parser.add_argument("--json", type=pathlib.Path)
 parser.add_argument("--csv", type=pathlib.Path)
 given = parser.parse_args()
-# On one core: while one thread renders, Blender's own turns in wait, and its seconds would count as Cycles'.
-os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
 given.work = given.work.resolve()
 given.work.mkdir(parents=True, exist_ok=True)
 first, last = map(int, given.frames.split(":"))

@@ -40,6 +40,8 @@ WIDTH, HEIGHT = ORDER["size"]
 CODEC, PROGRAM = ORDER["codec"], ORDER["render"][0]
 BITS = 10 if CODEC in ("hevc", "av1") else 8
 BLENDER = ORDER.get("blender") or [bpy.app.binary_path]
+if ORDER["threads"]:  # As many cores, for all that is started: Blender's own thread turns while its others render, and its seconds would count.
+    os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[:ORDER["threads"]])
 
 
 class Failed(Exception):
@@ -130,6 +132,7 @@ class Window:
         """(folder of frames, [CPU seconds of frames, of loading])."""
         says = {"samples": samples, "seed": seed, "kind": kind, "size": [WIDTH, HEIGHT], "threads": ORDER["threads"],
                 "by_frame": kind == "truth" or ORDER.get("by_frame", True), "guiding": kind != "truth" and ORDER.get("guiding", False)}
+        says |= {} if kind == "truth" else {"cores": len(os.sched_getaffinity(0))}
 
         def make(folder):
             every = run(*BLENDER, "--background", "--factory-startup", "--disable-autoexec", "-noaudio", "--python-exit-code", 1,
