@@ -91,6 +91,7 @@ void gather_exact(FrameState& frame, std::size_t t, ShadeCounts& counts) {
     Gatherer gatherer(frame.context.light_trees, frame.context.tracer);
     GatherLanes lanes;
     GroupTolerance tolerance;
+    tolerance.allocation = frame.allocation;
     GatheredLight gathered;
     for (const GatherGroup& group : group_points(points, frame.camera().position(), 1)) {
         const GatherPoint* pointers[lane_count];

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "core/numeric.h"
+#include "core/standard_error.h"
 #include "renderer/base/allocation.h"
 #include "renderer/cut/lamp_lobe.h"
 #include "renderer/cut/lamp_samples.h"
@@ -15,7 +16,7 @@ namespace render2mpeg::renderer {
 namespace {
 
 /// Samples of a lane, step by step; the last are all that there are.
-constexpr std::array<int, 9> steps{4, 8, 16, 32, 64, 128, 256, 512, most_lamp_samples};
+constexpr std::array<int, 11> steps{1, 2, 4, 8, 16, 32, 64, 128, 256, 512, most_lamp_samples};
 
 /// Of its tolerance, the standard error that a lane's light may have since its lamp is sampled. chosen: 1/4 of 1/8 and
 /// 1/4 (docs/model/lights.md).
@@ -73,10 +74,12 @@ class LampGatherer {
     void trace_sample(const LampSamples& samples, const LampResponse& response, std::uint32_t asked, Which which,
                       const Vec3Lanes& from);
     std::uint32_t too_rough(std::uint32_t reached, int count);
+    bool is_too_rough(int lane, float light) const;
     void add_errors(const SeenShare& seen, const Lanes& luminance, std::uint32_t reached, float least_count);
     void refine_lobes();
     float lobe_share(int lane) const;
     float allowed(int lane, float light) const;
+    float allowed(int lane, float light, float more) const;
     void store(LampLight& out) const;
 
     const AreaLamp& lamp_;
@@ -93,6 +96,7 @@ class LampGatherer {
     alignas(64) Lanes whole_{};             ///< irradiance without occlusion
     alignas(64) Lanes diffuse_{}, lobe_{};  ///< luminance without occlusion, of radiance as it is
     alignas(64) Lanes errors_{};            ///< standard errors, luminance
+    alignas(64) Lanes counts_{};            ///< of samples that tell a lane's visible share
     TracedSamples traced_;
 };
 
@@ -146,8 +150,12 @@ void LampGatherer::tell_shadows() const {
 }
 
 float LampGatherer::allowed(int lane, float light) const {
+    const float root = accuracy_.tolerance->root[lane];
+    return allowed(lane, light, root > 0.0f ? 1.0f / root : 1.0f);
+}
+
+float LampGatherer::allowed(int lane, float light, float more) const {
     const GroupTolerance& t = *accuracy_.tolerance;
-    const float more = t.root[lane] > 0.0f ? 1.0f / t.root[lane] : 1.0f;
     return core::Tolerance{t.absolute[lane], t.relative[lane], t.background[lane]}.allows(
         t.base[lane] + (*accuracy_.luminance)[lane] + light, more);
 }
@@ -255,7 +263,7 @@ void LampGatherer::add_errors(const SeenShare& seen, const Lanes& luminance, std
     const bool agree = !lit || !dark;
     for (int i = 0; i < lane_count; ++i) {
         if ((reached >> i & 1u) == 0) continue;
-        const float n = std::max(agree ? together : std::max(seen.count(i), least_count), 2.0f);
+        const float n = counts_[i] = std::max(agree ? together : std::max(seen.count(i), least_count), 2.0f);
         const float inside = std::clamp(seen.share(i), 1 / n, 1 - 1 / n);
         errors_[i] += luminance[i] * 0.6f * strata_error(n) * std::sqrt(inside * (1 - inside));
     }
@@ -265,15 +273,25 @@ void LampGatherer::add_errors(const SeenShare& seen, const Lanes& luminance, std
 std::uint32_t LampGatherer::too_rough(std::uint32_t reached, int count) {
     for (int i = 0; i < lane_count; ++i)
         if ((reached >> i & 1u) != 0) errors_[i] = 0;
-    add_errors(traced_.lamp, diffuse_, reached, static_cast<float>(count));
     if (by_lobe_ != 0) add_errors(traced_.lobe, lobe_, reached & by_lobe_, 1);
+    add_errors(traced_.lamp, diffuse_, reached, static_cast<float>(count));
     std::uint32_t lanes = 0;
     for (int i = 0; i < lane_count; ++i) {
         if ((reached >> i & 1u) == 0) continue;
         const float light = traced_.lamp.share(i) * diffuse_[i] + lobe_share(i) * lobe_[i];
-        lanes |= errors_[i] > part_of_tolerance * allowed(i, light) ? 1u << i : 0u;
+        lanes |= is_too_rough(i, light) ? 1u << i : 0u;
     }
     return lanes;
+}
+
+/// Whether a lane's light may be off by more than a part of its tolerance; or, where that is a price, has fewer samples
+/// than it is worth.
+bool LampGatherer::is_too_rough(int lane, float light) const {
+    const GroupTolerance& t = *accuracy_.tolerance;
+    if (!(t.allocation.typical > 0.0f)) return errors_[lane] > part_of_tolerance * allowed(lane, light);
+    const float tolerance = allowed(lane, light, t.noise[lane]) / core::errors_of_noise;
+    return counts_[lane] < t.allocation.worth(samples_for(tolerance * tolerance, counts_[lane],
+                                                          errors_[lane] * errors_[lane], strata_power));
 }
 
 /// Traces as many samples of the lanes as their tolerances ask for.

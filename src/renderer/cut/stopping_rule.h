@@ -6,6 +6,7 @@
 
 #include "core/numeric.h"
 #include "core/tolerance_map.h"
+#include "renderer/base/allocation.h"
 #include "renderer/cut/point_light.h"
 #include "renderer/tree/gather_lanes.h"
 #include "renderer/tree/lane_sums.h"
@@ -15,13 +16,16 @@ namespace render2mpeg::renderer {
 /// Tolerances of a group's lanes, in luminance of their pixels.
 struct alignas(64) GroupTolerance {
     Lanes absolute, relative, background, base;
-    Lanes root;  ///< PointTolerance::root; 0 as 1
+    Lanes root;               ///< PointTolerance::root; 0 as 1
+    Lanes noise;              ///< PointTolerance::noise
+    Allocation allocation{};  ///< of samples of lamps, where these have a price
     void set(int lane, const PointTolerance& t) {
         absolute[lane] = t.part.absolute;
         relative[lane] = t.part.relative;
         background[lane] = t.part.background;
         base[lane] = t.base;
         root[lane] = t.root;
+        noise[lane] = t.noise;
     }
 };
 
