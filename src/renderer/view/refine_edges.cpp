@@ -55,11 +55,17 @@ float edges_of(int surfaces, int samples) {
     return std::sqrt(std::min(m - 1.0f, std::sqrt(static_cast<float>(samples))) * m / 2.0f);
 }
 
-/// The pixels of a tile in which an edge or strands could show by more than their tolerance, lit by so many samples.
-bool mark_contrasts(const Frame& seen, std::size_t t, const core::ToleranceMap& tolerance, int samples,
-                    PixelMarks& marks) {
+/// Standard error of a pixel's edges and strands.
+float error_of(int samples, int surfaces, float contrast, float strands) {
+    return std::max(edge_error(samples) * edges_of(surfaces, samples) * contrast,
+                    strands_differ / std::sqrt(static_cast<float>(samples)) * strands);
+}
+
+/// The pixels of a tile in which an edge or strands show by more than their tolerance with `before` samples, and by
+/// less with `samples`, unless these are the most.
+bool mark_contrasts(const Frame& seen, std::size_t t, const core::ToleranceMap& tolerance, int before, int samples,
+                    bool are_most, PixelMarks& marks) {
     const TileArea area = area_of(seen, t);
-    const float error = edge_error(samples), of_strands = strands_differ / std::sqrt(static_cast<float>(samples));
     const PixelCounts surfaces = surfaces_of(seen.tiles[t]);
     std::array<bool, tile_size * tile_size> strands{};
     if (!seen.fibres.empty())
@@ -69,10 +75,10 @@ bool mark_contrasts(const Frame& seen, std::size_t t, const core::ToleranceMap& 
         for (int x = area.first.x; x < area.end.x; ++x) {
             const core::Tolerance& here = tolerance.pixels.at(x, y);
             const auto k = static_cast<std::size_t>((y % tile_size) * tile_size + x % tile_size);
-            const bool is_hair = strands[k];
-            const float off = std::max(error * edges_of(surfaces[k], samples) * contrast_at(tolerance.pixels, x, y),
-                                       is_hair ? of_strands * here.background : 0.0f);
-            const bool shows = here.background > 0.0f && off > here.allows(here.background);
+            const float contrast = contrast_at(tolerance.pixels, x, y), hair = strands[k] ? here.background : 0.0f,
+                        allowed = here.allows(here.background);
+            const bool shows = here.background > 0.0f && error_of(before, surfaces[k], contrast, hair) > allowed &&
+                               (are_most || error_of(samples, surfaces[k], contrast, hair) <= allowed);
             marks[static_cast<std::size_t>(y % tile_size)][static_cast<std::size_t>(x % tile_size)] = shows;
             any = any || shows;
         }
@@ -97,6 +103,7 @@ Frame refine_edges(const PosedScene& posed_scene, const SeeSettings& settings, c
     std::vector<SeeCounts> tile_counts(seen.tiles.size());
     for (const int samples : rounds) {
         if (samples <= before || samples > most_samples) continue;
+        const bool are_most = samples == rounds[1] || rounds[1] > most_samples;
         const std::vector<glm::vec2> pattern = sample_pattern(samples);
         const Looking looking{posed_scene.tracer(),
                               paths,
@@ -106,7 +113,8 @@ Frame refine_edges(const PosedScene& posed_scene, const SeeSettings& settings, c
                               true};
         parallel::for_each(seen.tiles.size(), [&](std::size_t t) {
             PixelMarks marks{};
-            if (mark_contrasts(seen, t, tolerance, before, marks)) look_again(looking, t, marks, seen, tile_counts[t]);
+            if (mark_contrasts(seen, t, tolerance, before, samples, are_most, marks))
+                look_again(looking, t, marks, seen, tile_counts[t]);
         });
         before = samples;
     }
