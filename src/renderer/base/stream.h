@@ -25,6 +25,7 @@ enum class Purpose : std::uint64_t {
     photons = 18,
     true_paths,
     rays_of_volumes,
+    shared_points,
 };
 
 /// Whose numbers a stream has. What is alike for all pixels, or in all frames, names none.

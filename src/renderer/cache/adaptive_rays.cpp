@@ -57,10 +57,7 @@ std::uint32_t wanted_rays(const FrameState& frame, const NewRecord& fresh, Local
     if (!(tolerance > 0.0f)) return static_cast<std::uint32_t>(frame.allocation.capped(most));
     double needs =
         samples_for(tolerance * tolerance, has, frame.allocation.priced(error.square, error.of_block), variance_power);
-    if (fit.size() < few_records) {
-        const double share = 1.0 / std::max(static_cast<double>(query->tolerance.noise), 1.0);
-        needs = std::max(needs, samples_for(1, least_of_few, share * share, variance_power));
-    }
+    if (fit.size() < few_records) needs = std::max(needs, needs_by_share(query->tolerance));
     return static_cast<std::uint32_t>(std::min(frame.allocation.worth(needs), most));
 }
 
@@ -80,6 +77,11 @@ void retrace_missing_pilots(FrameState& frame, std::span<const NewRecord> fresh)
 }
 
 }  // namespace
+
+double needs_by_share(const PointTolerance& tolerance) {
+    const double share = 1.0 / std::max(static_cast<double>(tolerance.noise), 1.0);
+    return samples_for(1, least_of_few, share * share, variance_power);
+}
 
 void refine_rays(FrameState& frame, std::size_t first) {
     const std::span<const NewRecord> fresh = std::span(frame.fresh).subspan(first);

@@ -4,6 +4,9 @@
 
 namespace render2mpeg::renderer {
 
+/// Rays that would meet a point's tolerance, by its share of its pixel alone: 64 of one that fills it.
+double needs_by_share(const PointTolerance& tolerance);
+
 /// Traces more rays for the frame's new records from the `first` on, in rounds, as far as the error of the regression
 /// about each (local_regression.h) is worth them: adaptive sampling and reconstruction [Moon2014].
 void refine_rays(FrameState& frame, std::size_t first);

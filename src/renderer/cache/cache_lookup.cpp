@@ -8,6 +8,7 @@
 #include "renderer/cache/adaptive_rays.h"
 #include "renderer/cache/gather_requests.h"
 #include "renderer/cache/glossy_record.h"
+#include "renderer/cache/shared_points.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -128,6 +129,7 @@ void light_lattice(FrameState& frame, int lattice) {
 void light_points(FrameState& frame) {
     for (const int lattice : lattices) light_lattice(frame, lattice);
     if (frame.rays != nullptr) reconstruct(frame);
+    share_in_pixels(frame);
 }
 
 }  // namespace render2mpeg::renderer

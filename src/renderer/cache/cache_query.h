@@ -16,6 +16,7 @@ struct CacheQuery {
     float extent = 0;                             ///< of a pixel at the point, across the line of sight; world
     float receives = 0;                           ///< luminance of the pixel by unit of light from all around
     std::optional<glm::vec3> eye = std::nullopt;  ///< world; none: far away, all look along the point's direction
+    bool crowded = false;                         ///< worth fewer rays than a pilot has, by its share of its pixel
     float other_error = 0;  ///< of the same light in the other eye's picture, luminance of the pixel; 0: not known
 };
 

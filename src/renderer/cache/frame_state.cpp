@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "renderer/cache/adaptive_rays.h"
+
 namespace render2mpeg::renderer {
 
 FrameState::FrameState(const LightingContext& lit_by, const scene::Snapshot& instant, const CutLimits& cut_limits,
@@ -18,18 +20,29 @@ FrameState::FrameState(const LightingContext& lit_by, const scene::Snapshot& ins
     limits.exact = false;
 }
 
+bool FrameState::is_crowded(const PointTolerance& tolerance) const {
+    return allocation.typical > 0.0f && allocation.worth(needs_by_share(tolerance)) < 1.0 * pilot_rays;
+}
+
 std::optional<CacheQuery> FrameState::query_of(std::size_t t, std::size_t i) const {
     const GatherPoint& p = seen().tiles[t][i];
     if (p.reached_by_specular()) {
         // The way by mirrors and glass is about as long as the straight one.
         const float away = glm::distance(camera().position(), p.point.position);
-        return CacheQuery{p, tiles[t].tolerance[i], middle_of(t, p), camera().pixel_extent(away), receives(p)};
+        return CacheQuery{p,
+                          tiles[t].tolerance[i],
+                          middle_of(t, p),
+                          camera().pixel_extent(away),
+                          receives(p),
+                          std::nullopt,
+                          is_crowded(tiles[t].tolerance[i])};
     }
     const auto on_picture = camera().project(p.point.position);
     if (!on_picture) return std::nullopt;
     const float extent = camera().pixel_extent(on_picture->depth);
     const auto eye = camera().has_eye() ? std::optional(camera().eye_of(p.point.position)) : std::nullopt;
-    return CacheQuery{p, tiles[t].tolerance[i], on_picture->position, extent, receives(p), eye};
+    return CacheQuery{
+        p, tiles[t].tolerance[i], on_picture->position, extent, receives(p), eye, is_crowded(tiles[t].tolerance[i])};
 }
 
 glm::ivec2 FrameState::pixel_of(std::size_t tile, const GatherPoint& p) const {

@@ -28,6 +28,13 @@ enum class PointState : std::uint8_t {
     reused,  ///< likewise: from the frame before
 };
 
+/// Points of a pixel that share the light of one of them (shared_points.h).
+struct SharedStratum {
+    std::uint32_t gathered = 0;         ///< whose light is gathered
+    std::vector<std::uint32_t> points;  ///< it and the others
+    bool goes_on = false;               ///< the next of the like points before it
+};
+
 /// State of a tile's gather points; lists have one entry per point, in the tile's order.
 struct TileState {
     std::vector<PointTolerance> tolerance;
@@ -35,6 +42,7 @@ struct TileState {
     std::vector<PointLight> light;    ///< of trees
     std::vector<PointLight> exact;    ///< of lights that are gathered one by one
     std::vector<SharedLight> shared;  ///< two eyes: of the left one to be told, of the right one as it was; else empty
+    std::vector<SharedStratum> strata;
     std::uint64_t served = 0;
 };
 
@@ -72,6 +80,8 @@ struct FrameState {
     const GatherPoint& point(const PointRef& r) const { return seen().tiles[r.tile][r.index]; }
     /// None for points that no picture shows, which does not happen but by rounding.
     std::optional<CacheQuery> query_of(std::size_t tile, std::size_t point) const;
+    /// Whether a point is worth fewer rays than a pilot has, by its share of its pixel.
+    bool is_crowded(const PointTolerance& tolerance) const;
     glm::ivec2 pixel_of(std::size_t tile, const GatherPoint& p) const;
     glm::vec2 middle_of(std::size_t tile, const GatherPoint& p) const { return glm::vec2(pixel_of(tile, p)) + 0.5f; }
     /// Whether it lies on a lattice of so many pixels.

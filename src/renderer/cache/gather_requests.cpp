@@ -11,6 +11,7 @@
 #include "core/color.h"
 #include "core/numeric.h"
 #include "parallel/loops.h"
+#include "renderer/cache/shared_points.h"
 #include "renderer/cut/gatherer.h"
 #include "renderer/gather/frame_rays.h"
 #include "renderer/gather/ray_sums.h"
@@ -203,6 +204,7 @@ std::vector<GatheredRequests> gather(FrameState& frame, const std::vector<std::v
     // A few scattered ones fill no packet: they wait for the finer lattice.
     for (auto& list : of_area)
         if (list.size() < least) list.clear();
+    parallel::for_each(of_area.size(), [&](std::size_t a) { choose_gathered(frame, of_area[a]); });
     std::vector<GatheredRequests> found = group_areas(frame, of_area);
     if (frame.rays != nullptr) gather_rays(frame, found);
     gather_trees(frame, found);

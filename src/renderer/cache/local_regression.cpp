@@ -23,6 +23,17 @@ struct Radius {
 constexpr Radius radii[] = {{1, 0.0187}, {2, 0.0568}, {4, 0.1540}, {6, 0.2864}};
 constexpr int largest_radius = 6;
 
+/// Crowds look no further: light changes from leaf to leaf more than from pixel to pixel, and records are many.
+constexpr int largest_of_crowd = 2;
+
+/// Records of a crowd face alike if their normals differ by less than this. Not tuned.
+constexpr float same_facing = 0.7f;
+
+/// Whether records of the crowd about a point may tell its light, whatever object they are of.
+bool is_of_crowd(const SurfaceMark& here, const SurfaceMark& m) {
+    return m.surface >> 33 == here.surface >> 33 && glm::dot(m.shading_normal, here.shading_normal) >= same_facing;
+}
+
 /// The same of pixels that have a record each.
 constexpr double common_alone = 1.0 / 64;
 
@@ -57,10 +68,13 @@ void LocalRegression::collect(const CacheQuery& q, Of of, const RecordGrid& grid
     members_.clear();
     lanes_.clear();
     if (!grid.reaches(q.at, largest_radius)) return;
-    constexpr float reach = static_cast<float>(largest_radius) + 0.5f;
+    crowded_ = q.crowded;
+    alike_ = crowded_ ? std::max(static_cast<double>(q.tolerance.noise), 1.0) : 1.0;
+    const int radius = crowded_ ? largest_of_crowd : largest_radius;
+    const float reach = static_cast<float>(radius) + 0.5f;
     const int x = static_cast<int>(std::floor(q.at.x)), y = static_cast<int>(std::floor(q.at.y)),
-              top = std::max(y - largest_radius, -RecordGrid::border),
-              bottom = std::min(y + largest_radius, grid.height() + RecordGrid::border - 1);
+              top = std::max(y - radius, -RecordGrid::border),
+              bottom = std::min(y + radius, grid.height() + RecordGrid::border - 1);
     const SurfacePoint& p = q.point.point;
     const SurfaceMark here = mark_of(q);
     const GatherPoint plain = plain_receiver(q.point);
@@ -69,9 +83,10 @@ void LocalRegression::collect(const CacheQuery& q, Of of, const RecordGrid& grid
     const auto take = [&](const SurfaceMark& m, float aside) {
         const glm::vec2 offset = m.at + glm::vec2(aside, 0.0f) - q.at;
         const float distance2 = glm::dot(offset, offset);
-        if (distance2 > reach * reach || m.surface != here.surface ||
-            !on_one_surface(here, m, q.extent * std::sqrt(distance2), q.extent, p.position_error))
-            return;
+        if (distance2 > reach * reach) return;
+        const bool same = m.surface == here.surface &&
+                          on_one_surface(here, m, q.extent * std::sqrt(distance2), q.extent, p.position_error);
+        if (!same && !(crowded_ && is_of_crowd(here, m))) return;
         const IrradianceRecord& r = records[m.record];
         if (of == Of::change && !r.is_pilot_now) return;
         const auto lobe = lobe_at(q, r);
@@ -90,10 +105,10 @@ void LocalRegression::collect(const CacheQuery& q, Of of, const RecordGrid& grid
         lanes.batch_variance[k] = receives2 * r.batch_variance;
         Member& member = members_.emplace_back();
         member.record = m.record;
-        member.is_own = own == none ? distance2 < same_place * same_place : m.record == own;
+        member.is_own = own == none ? same && distance2 < same_place * same_place : m.record == own;
         member.lobe = *lobe;
     };
-    for (int row = top; row <= bottom; ++row) grid.visit_row(row, x - largest_radius, x + largest_radius, take);
+    for (int row = top; row <= bottom; ++row) grid.visit_row(row, x - radius, x + radius, take);
     if (of == Of::change) explain_change(plain, records, receives2);
 }
 
@@ -240,13 +255,13 @@ void LocalRegression::fit_plane(int radius, double common, RegressionError& best
     P::Sums<P::fits> fit_lanes;
     plane.fit(lanes_, plane_.data(), fit_lanes);
     const std::array<double, P::fits> f = totals(fit_lanes);
-    const double variance = batch * f[P::variance], chance = batch * f[P::chance] / f[P::closeness],
+    const double variance = alike_ * batch * f[P::variance], chance = batch * f[P::chance] / f[P::closeness],
                  // What records are off it by, beyond their variance.
         off = f[P::off] * count / ((count - 1.0 * unknowns) * f[P::closeness]),
                  square = variance + std::max(off - chance, 0.0);
     if (!(f[P::stretch] <= most_stretch) || !std::isfinite(square) || (best.is_valid() && !(square < best.square)))
         return;
-    best = {square, variance, common * variance, batch, core::divide_or(variance, chance, 1.0), radius};
+    best = {square, variance, common * variance, batch, core::divide_or(variance / alike_, chance, 1.0), radius};
     weights_.swap(plane_);
 }
 
@@ -270,7 +285,8 @@ void LocalRegression::take_own(RegressionError& best) {
 
 RegressionError LocalRegression::estimate() {
     RegressionError best;
-    for (const Radius& radius : radii) fit_plane(radius.pixels, radius.common, best);
+    for (const Radius& radius : radii)
+        if (!crowded_ || radius.pixels <= largest_of_crowd) fit_plane(radius.pixels, radius.common, best);
     take_own(best);
     return best;
 }
