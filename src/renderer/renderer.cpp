@@ -117,7 +117,7 @@ struct Renderer::Impl {
         counted_rays = gathered_rays();
     }
 
-    Frame refined(Frame frame, const core::ToleranceMap& tolerance);
+    Frame refined(const scene::Snapshot& snapshot, Frame frame, const core::ToleranceMap& tolerance);
     Frame exposed(Frame frame, const ExposureSamples& samples);
     void add_effects(const scene::Snapshot& snapshot, const core::ToleranceMap* tolerance, PlacedFrame& placed);
     void light_volumes(const AirInstant& instant);
@@ -153,11 +153,20 @@ struct Renderer::Impl {
 };
 
 /// Finer edges, where the tolerance shows them.
-Frame Renderer::Impl::refined(Frame frame, const core::ToleranceMap& tolerance) {
+Frame Renderer::Impl::refined(const scene::Snapshot& snapshot, Frame frame, const core::ToleranceMap& tolerance) {
     if (settings.most_samples <= 0) return frame;
+    Strands strands;
+    if (plan.runs(Pass::hair)) {
+        update_lights(snapshot);
+        const Stopwatch timer(times[Pass::hair]);
+        HairCounts counts;
+        strands = hair_light.look_at_strands(frame, see_settings().samples, counts);
+        statistics.hair.rays += counts.rays;
+    }
     const Stopwatch timer(times[Pass::see]);
     SeeCounts counts;
-    frame = refine_edges(posed_scene, see_settings(), plan, tolerance, settings.most_samples, std::move(frame), counts);
+    frame = refine_edges(posed_scene, see_settings(), plan, tolerance, strands, settings.most_samples, std::move(frame),
+                         counts);
     add(counts, statistics);
     return frame;
 }
@@ -356,7 +365,7 @@ Lit Renderer::light(const scene::Snapshot& snapshot, Frame frame, const LightOrd
 PlacedFrame Renderer::place(const scene::Snapshot& snapshot, Frame frame, const LightOrder& order) {
     impl_->pose(snapshot);
     if (!order.is_rough()) {
-        frame = impl_->refined(std::move(frame), order.tolerance);
+        frame = impl_->refined(snapshot, std::move(frame), order.tolerance);
         if (order.exposure && order.mode == LightingMode::film)
             frame = impl_->exposed(std::move(frame), *order.exposure);
     }

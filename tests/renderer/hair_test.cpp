@@ -413,19 +413,48 @@ TEST(HairLight, TakesNoMoreRaysThanWhatItsSamplesShowIsWorth) {
 
 TEST(HairLight, HasMoreSamplesWhereStrandsWouldShow) {
     constexpr int side = 24;
-    for (const float tolerated : {0.01f, 0.5f}) {
+    const auto fine_pixels = [](const SceneBuilder& b, float tolerated) {
         Settings settings = test::small_frame(side, side);
         settings.samples = 4;
         settings.most_samples = 64;
-        FilmStage stage(white_tuft(), settings);
+        FilmStage stage(b, settings);
         const scene::Snapshot world = stage.at(0);
-        core::ToleranceMap tolerance = core::ToleranceMap::uniform(side, side, {tolerated, 0.001f, 1.0f});
+        const core::ToleranceMap tolerance = core::ToleranceMap::uniform(side, side, {tolerated, 0.001f, 1.0f});
         const Frame frame = stage.renderer().place(world, stage.renderer().look(world), LightOrder{tolerance}).frame;
-        int hair = 0, fine = 0;
+        int hair = 0;
         for (const FibreTile& tile : frame.fibres) hair += static_cast<int>(tile.size());
-        for (const std::uint16_t samples : frame.samples.values()) fine += samples == 64 ? 1 : 0;
         EXPECT_GT(hair, 0);
-        EXPECT_EQ(fine > 100, tolerated < 0.1f) << fine;
+        return std::ranges::count(frame.samples.values(), 64);
+    };
+    SceneBuilder sunny = white_tuft();
+    sunny.add_sun({0.3f, -0.5f, -1}, 3.0f);
+    EXPECT_GT(fine_pixels(sunny, 0.01f), 100);
+    EXPECT_LT(fine_pixels(sunny, 2.0f), 10);
+    EXPECT_LT(2 * fine_pixels(white_tuft(), 0.05f), fine_pixels(sunny, 0.05f)) << "all fibres are alike";
+}
+
+TEST(HairLight, TellsWhatItsPixelsErrSlow) {
+    constexpr int side = 24;
+    SceneBuilder b = fine_tuft();
+    b.film().cameras.clear();
+    b.add_camera({0, 0, 3}, {0, 0, 0}, 0.3f);
+    const auto look = [&](int samples, float tolerance) {
+        Settings settings = test::small_frame(side, side);
+        settings.samples = samples;
+        return FilmStage(b, settings).cut(tolerance);
+    };
+    const core::Radiance exact = look(512, 0.05f);
+    for (const int samples : {4, 32}) {
+        const core::Radiance found = look(samples, 0.3f);
+        double off = 0, told = 0;
+        for (std::size_t i = 0; i < exact.combined.size(); ++i) {
+            off +=
+                std::pow(core::luminance(found.combined.values()[i]) - core::luminance(exact.combined.values()[i]), 2);
+            told += std::pow(static_cast<double>(found.error.values()[i]), 2);
+            EXPECT_NEAR(found.shared_error.values()[i], found.error.values()[i] / 8, 1e-6f);
+        }
+        EXPECT_GT(off, 0);
+        EXPECT_NEAR(std::sqrt(told / off), 1.0, 0.35) << samples;
     }
 }
 

@@ -11,9 +11,9 @@ constexpr double worth_rays = 10.0;
 
 }  // namespace
 
-double Allocation::worth(double rays) const {
+double Allocation::worth(double rays, double cost) const {
     constexpr double gain = variance_power / (1.0 + variance_power);
-    return capped(typical > 0.0f ? std::pow(rays, gain) * std::pow(worth_rays / typical, 1.0 - gain) : rays);
+    return capped(typical > 0.0f ? std::pow(rays, gain) * std::pow(worth_rays / (typical * cost), 1.0 - gain) : rays);
 }
 
 double Allocation::left(double rays) const {

@@ -32,8 +32,9 @@ struct Allocation {
     float means = 1;    ///< ToleranceMap::means
     float most = 0;     ///< ToleranceMap::most_rays
 
-    /// N of N_T rays, which would meet the tolerance (docs/model/gathering.md, eq. 3), at most `most`.
-    double worth(double rays) const;
+    /// N of N_T rays, which would meet the tolerance (docs/model/gathering.md, eq. 3), at most `most`; or of samples
+    /// that cost as many rays each.
+    double worth(double rays, double cost = 1) const;
     double capped(double rays) const { return most > 0.0f && rays > 1.0 * most ? 1.0 * most : rays; }
     /// Mean square error that these leave, over the square of the tolerance's standard error.
     double left(double rays) const;

@@ -75,6 +75,14 @@ class PixelSum {
         radiance.record_reuse.at(x, y) = reused_ / points;
     }
 
+    /// An error that neighbours do not share.
+    void add_error(float alone) {
+        PointLight light;
+        light.add_alone({alone});
+        error_ += light.error;
+        shared_ += light.shared;
+    }
+
     void write_errors(int x, int y, core::Radiance& radiance) const {
         radiance.error.at(x, y) = error_.value;
         radiance.shared_error.at(x, y) = shared_.value;
@@ -150,6 +158,7 @@ void spread_light(const Frame& seen, const UngatheredLight& ungathered, const Fr
             const glm::vec3 hair = value_or_zero(ungathered.hair().exposed, x, y);
             const glm::vec3 emitted = exposure.emitted.at(x, y) + air + hair;
             radiance.combined.at(x, y) = glm::max(emitted + sum.combined, glm::vec3(0));
+            sum.add_error(value_or_zero(ungathered.hair().exposed_error, x, y));
             sum.write_errors(x, y, radiance);
             if (layers) {
                 const glm::vec3 specular = value_or_zero(exposure.emitted_specular, x, y);

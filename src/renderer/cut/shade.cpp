@@ -148,7 +148,7 @@ void TileShader::add_to_pixels(const GatherTile& tile) {
         const int x = x_of(tile[first]), y = y_of(tile[first]);
         glm::vec3 sum(0);
         float clusters = 0;
-        core::StandardError error{}, shared{};
+        core::StandardError error{radiance_.error.at(x, y)}, shared{radiance_.shared_error.at(x, y)};
         for (; last < tile.size() && tile[last].pixel == tile[first].pixel; ++last) {
             const GatherPoint& p = tile[last];
             const PointLight& l = light_[last];
@@ -209,6 +209,10 @@ ShadeCounts TileShader::shade(std::size_t tile_index) {
         for (int x = tile_x_; x < x_end; ++x) {
             const glm::vec3 all = ungathered_.all().at(x, y);
             radiance_.combined.at(x, y) = all;
+            PointLight alone;
+            alone.add_alone({value_or_zero(ungathered_.hair().error, x, y)});
+            radiance_.error.at(x, y) = alone.error.value;
+            radiance_.shared_error.at(x, y) = alone.shared.value;
             if (!layers_) continue;
             const glm::vec3 specular = value_or_zero(ungathered_.specular(), x, y);
             const glm::vec3 caustics = ungathered_.caustics().straight_at(x, y);

@@ -28,6 +28,11 @@ constexpr double worth_rounds = 1.0;
 /// Samples of one task, and of those that are traced before what they ask is learnt. chosen: memory of some 60 MB.
 constexpr std::size_t samples_of_task = 512, samples_at_once = std::size_t{1} << 18;
 
+/// Rays that a round of a sample takes, about.
+double rays_of_sample(const HairCounts& counts) {
+    return std::max(core::divide_or(1.0 * counts.rays, 1.0 * counts.samples, 1.0), 1.0);
+}
+
 /// What a sample draws numbers for.
 enum Number : std::uint64_t { walk, lamps, scattered, beyond };
 
@@ -39,12 +44,24 @@ struct HairLight::Pixel {
     glm::ivec2 place{0};
     std::uint32_t rounds = 0, wanted = 0;
     glm::vec3 light{0}, specular{0};  ///< sums over rounds
-    std::vector<float> first_lights;  ///< luminance of each sample in the first round
+    std::vector<float> lights;        ///< luminance of each sample, sum over rounds
+    std::vector<float> first_lights;  ///< the same in the first round
     double variance = 0;              ///< of a round by its rays alone, by the first two; 0: it had one
     double squares = 0;               ///< sum over samples of the square of what these found for each, their mean
 
     /// Of a round, mean of all.
     double luminance() const { return static_cast<double>(core::luminance(light)) / rounds; }
+    /// Of the mean of all rounds, by what samples differ by: they show other fibres, which no ray mends.
+    double squared_error() const {
+        double sum = 0, squares = 0;
+        for (const float l : lights) {
+            sum += static_cast<double>(l);
+            squares += static_cast<double>(l) * static_cast<double>(l);
+        }
+        const auto n = static_cast<double>(lights.size());
+        const double variance = n > 1 ? std::max(squares - sum * sum / n, 0.0) * n / (n - 1) : squares;
+        return variance / (1.0 * rounds * rounds);
+    }
     /// Whether it tells its tile how rays and samples vary, by two first rounds.
     bool tells() const { return (place.x + place.y) % 2 == 0; }
 };
@@ -123,7 +140,10 @@ void HairLight::trace_all(std::span<const FibreTile> tiles, std::span<const std:
         for (const RayTerm& term : found[task].terms)
             if (cache_.find(term.place.key) == LightCells::none) wanted[task].push_back(term.place);
     });
-    for (const Traced& t : found) counts.rays += t.rays;
+    for (const Traced& t : found) {
+        counts.rays += t.rays;
+        counts.samples += t.light.size();
+    }
     cache_.learn(std::move(wanted));
     parallel::for_each(tasks.size(), [&](std::size_t task) {
         std::vector<glm::vec3>& light = found[task].light;
@@ -138,6 +158,7 @@ void HairLight::trace_all(std::span<const FibreTile> tiles, std::span<const std:
 
 void HairLight::add_round(std::span<const FibreTile> tiles, std::span<const glm::vec3> lights, Pixel& p) {
     const bool is_first = p.rounds == 0 && p.wanted > 1, is_second = !p.first_lights.empty();
+    p.lights.resize(p.end - p.first);
     for (std::uint32_t s = p.first; s < p.end; ++s) {
         const FibreSample& sample = tiles[p.tile][s];
         glm::vec3 light = sample.weight * lights[s - p.first];
@@ -145,6 +166,7 @@ void HairLight::add_round(std::span<const FibreTile> tiles, std::span<const glm:
         p.light += light;
         if (sample.specular) p.specular += light;
         const float luminance = core::luminance(light);
+        p.lights[s - p.first] += luminance;
         if (is_first) p.first_lights.push_back(luminance);
         if (!is_second) continue;
         const auto first = static_cast<double>(p.first_lights[s - p.first]), now = static_cast<double>(luminance);
@@ -158,7 +180,8 @@ void HairLight::add_round(std::span<const FibreTile> tiles, std::span<const glm:
 /// How many rounds pixels want, by how rays of a sample vary in their tile: a pixel's own would tell it that they are
 /// enough where they happened to meet no light. What samples show differs as well, and no ray mends that.
 void HairLight::want_rounds(std::span<Pixel> tile, const core::ToleranceMap& tolerance,
-                            const core::Plane<glm::vec3>& known, HairCounts& counts) {
+                            const core::Plane<glm::vec3>& known, double rays, HairCounts& counts) {
+    const Allocation allocation{tolerance.typical, tolerance.means, 0};
     double variance = 0, squares = 0, differ = 0;
     for (const Pixel& p : tile) {
         if (!p.tells()) continue;
@@ -185,7 +208,8 @@ void HairLight::want_rounds(std::span<Pixel> tile, const core::ToleranceMap& tol
         const auto luminance = static_cast<float>(near) + core::luminance(known.at(p.place.x, p.place.y));
         const double allowed =
             static_cast<double>(tolerance.pixels.at(p.place.x, p.place.y).allows(luminance)) / core::errors_of_noise;
-        const double rounds = samples_for(allowed * allowed, 1, relative * near * near / (p.end - p.first));
+        const double n = p.end - p.first, needs = samples_for(allowed * allowed, n, relative * near * near / n),
+                     rounds = allocation.worth(needs, rays) / n;
         counts.capped += rounds > most_rounds ? 1 : 0;
         p.wanted = static_cast<std::uint32_t>(
             std::clamp(std::ceil(std::min(rounds, worth)), 1.0 * p.rounds, 1.0 * most_rounds));
@@ -211,32 +235,67 @@ std::vector<HairLight::Pixel> HairLight::light(std::span<const FibreTile> tiles,
         }
         ends.push_back(pixels.size());
     }
+    HairCounts own;
     for (Pixel& p : pixels) p.wanted = tolerance != nullptr && p.tells() ? 2 : 1;
-    take_rounds(tiles, pixels, counts);
+    take_rounds(tiles, pixels, own);
+    const double rays = rays_of_sample(own);
     if (tolerance != nullptr)
         for (std::size_t t = 0; t < tiles.size(); ++t) {
             const std::size_t first = t == 0 ? 0 : ends[t - 1];
-            want_rounds(std::span(pixels).subspan(first, ends[t] - first), *tolerance, known, counts);
+            want_rounds(std::span(pixels).subspan(first, ends[t] - first), *tolerance, known, rays, own);
         }
-    take_rounds(tiles, pixels, counts);
-    counts.pixels += pixels.size();
+    take_rounds(tiles, pixels, own);
+    own.pixels = pixels.size();
+    counts.add(own);
     return pixels;
+}
+
+Strands HairLight::look_at_strands(const Frame& seen, int samples, HairCounts& counts) {
+    const int width = seen.visible.width(), height = seen.visible.height();
+    core::Plane<float> squares(width, height, 0.0f);
+    core::Plane<std::uint8_t> shown(width, height, 0);
+    Strands strands{squares, squares};
+    for (const Pixel& p : light(seen.fibres, seen.tiles_across(), nullptr, {}, counts)) {
+        const double n = seen.samples.empty() ? samples : seen.samples.at(p.place.x, p.place.y);
+        squares.at(p.place.x, p.place.y) = static_cast<float>(n * p.squared_error());
+        strands.light.at(p.place.x, p.place.y) = static_cast<float>(p.luminance());
+        const auto shows = std::span(seen.fibres[p.tile]).subspan(p.first, p.end - p.first);
+        shown.at(p.place.x, p.place.y) = std::ranges::any_of(shows, [](const FibreSample& s) { return !s.below; });
+    }
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            if (shown.at(x, y) == 0) continue;
+            float sum = 0, count = 0;
+            for (int j = std::max(y - 1, 0); j <= std::min(y + 1, height - 1); ++j)
+                for (int i = std::max(x - 1, 0); i <= std::min(x + 1, width - 1); ++i) {
+                    sum += static_cast<float>(shown.at(i, j)) * squares.at(i, j);
+                    count += static_cast<float>(shown.at(i, j));
+                }
+            strands.of_sample.at(x, y) = std::sqrt(sum / count);
+        }
+    strands.rays = rays_of_sample(counts);
+    return strands;
 }
 
 void HairLight::add(const Frame& seen, const core::ToleranceMap* tolerance, UngatheredLight& sum, HairCounts& counts) {
     const int across = seen.tiles_across();
     const core::Plane<glm::vec3> black(seen.visible.width(), seen.visible.height(), glm::vec3(0));
-    EffectLight hair{black, {}, {}};
+    const core::Plane<float> sure(seen.visible.width(), seen.visible.height(), 0.0f);
+    EffectLight hair{black, {}, {}, sure, {}};
     if (!seen.emitted_specular.empty()) hair.specular = black;
     for (const Pixel& p : light(seen.fibres, across, tolerance, sum.all(), counts)) {
         const float share = 1.0f / static_cast<float>(p.rounds);
         hair.all.at(p.place.x, p.place.y) = share * p.light;
+        hair.error.at(p.place.x, p.place.y) = static_cast<float>(std::sqrt(p.squared_error()));
         if (!hair.specular.empty()) hair.specular.at(p.place.x, p.place.y) = share * p.specular;
     }
     if (seen.exposure) {
         hair.exposed = black;
-        for (const Pixel& p : light(seen.exposure->fibres, across, tolerance, seen.exposure->emitted, counts))
+        hair.exposed_error = sure;
+        for (const Pixel& p : light(seen.exposure->fibres, across, tolerance, seen.exposure->emitted, counts)) {
             hair.exposed.at(p.place.x, p.place.y) = p.light / static_cast<float>(p.rounds);
+            hair.exposed_error.at(p.place.x, p.place.y) = static_cast<float>(std::sqrt(p.squared_error()));
+        }
     }
     sum.add_hair(std::move(hair));
 }

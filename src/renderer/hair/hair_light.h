@@ -25,6 +25,11 @@ class HairLight {
     /// `cache`: of the posed instant.
     HairLight(const PosedScene& posed_scene, const Plan& plan, SurfaceCache& cache);
 
+    /// Luminance of its pixels' fibres, and the standard error that it would have by one sample, by what samples differ
+    /// by, those of 3x3 pixels together; 0 where a pixel shows none. `samples`: of pixels, where the frame does not
+    /// tell.
+    Strands look_at_strands(const Frame& seen, int samples, HairCounts& counts);
+
     /// Adds the light of all fibres that a frame shows. `tolerance`: null for a rough look.
     void add(const Frame& seen, const core::ToleranceMap* tolerance, UngatheredLight& light, HairCounts& counts);
 
@@ -36,7 +41,7 @@ class HairLight {
     void trace_all(std::span<const FibreTile> tiles, std::span<const std::span<Pixel>> tasks, HairCounts& counts);
     static void add_round(std::span<const FibreTile> tiles, std::span<const glm::vec3> lights, Pixel& pixel);
     static void want_rounds(std::span<Pixel> tile, const core::ToleranceMap& tolerance,
-                            const core::Plane<glm::vec3>& known, HairCounts& counts);
+                            const core::Plane<glm::vec3>& known, double rays, HairCounts& counts);
     std::vector<Pixel> light(std::span<const FibreTile> tiles, int across, const core::ToleranceMap* tolerance,
                              const core::Plane<glm::vec3>& known, HairCounts& counts);
 

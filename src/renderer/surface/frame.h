@@ -40,6 +40,13 @@ struct SeenMatte {
     core::Matte matte;
 };
 
+/// How samples of pixels differ that each show another strand.
+struct Strands {
+    core::Plane<float> light;      ///< of theirs, luminance of the pixel; empty: there are none
+    core::Plane<float> of_sample;  ///< its standard error by one sample
+    double rays = 1;               ///< that light a sample, about
+};
+
 /// How often pixels are sampled that shutter or lens blur, 1 to 4096 times: `fewest` where they blur little, up to
 /// `most` where much.
 struct ExposureSamples {

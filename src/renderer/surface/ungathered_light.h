@@ -12,6 +12,10 @@ inline glm::vec3 value_or_zero(const core::Plane<glm::vec3>& plane, int x, int y
     return plane.empty() ? glm::vec3(0) : plane.at(x, y);
 }
 
+inline float value_or_zero(const core::Plane<float>& plane, int x, int y) {
+    return plane.empty() ? 0.0f : plane.at(x, y);
+}
+
 /// Caustics at a gather point.
 struct PointCaustic {
     glm::vec3 irradiance{0};  ///< over pi
@@ -23,6 +27,7 @@ struct EffectLight {
     core::Plane<glm::vec3> all;
     core::Plane<glm::vec3> specular;  ///< the part of `all` seen by mirrors or glass; empty where a frame has none
     core::Plane<glm::vec3> exposed;   ///< in exposed pixels, in place of `all`
+    core::Plane<float> error{}, exposed_error{};  ///< standard errors of their luminance; empty: not told
 
     /// Radiance seen neither by mirrors nor through glass.
     glm::vec3 straight_at(int x, int y) const { return value_or_zero(all, x, y) - value_or_zero(specular, x, y); }

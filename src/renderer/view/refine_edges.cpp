@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/standard_error.h"
 #include "parallel/loops.h"
 #include "renderer/base/allocation.h"
 #include "renderer/view/tile_visibility.h"
@@ -14,6 +15,9 @@ namespace {
 
 /// Samples of pixels that are looked at again, fewer first.
 constexpr int rounds[] = {64, 256};
+
+/// Pixels of strands take so many where they are worth more than half of them, the mean of that and a fourth by ratio.
+constexpr double least_of_round = 0.5;
 
 /// By how much luminance is expected to differ about a pixel.
 float contrast_at(const core::Plane<core::Tolerance>& pixels, int x, int y) {
@@ -27,11 +31,6 @@ float contrast_at(const core::Plane<core::Tolerance>& pixels, int x, int y) {
         }
     return std::max(high - low, 0.0f);
 }
-
-/// Standard error of a pixel that shows strands, over its luminance and the root of one over its samples: each shows
-/// another strand, lit by itself. chosen: 0.6 of 0.4 to 0.8; clear and brown fur have 0.3 and 0.4, dark hair before
-/// skin has 2.
-constexpr float strands_differ = 0.6f;
 
 using PixelCounts = std::array<int, tile_size * tile_size>;
 
@@ -55,30 +54,43 @@ float edges_of(int surfaces, int samples) {
     return std::sqrt(std::min(m - 1.0f, std::sqrt(static_cast<float>(samples))) * m / 2.0f);
 }
 
-/// Standard error of a pixel's edges and strands.
-float error_of(int samples, int surfaces, float contrast, float strands) {
-    return std::max(edge_error(samples) * edges_of(surfaces, samples) * contrast,
-                    strands_differ / std::sqrt(static_cast<float>(samples)) * strands);
-}
+/// A frame that is looked at again.
+struct LookingAgain {
+    const core::ToleranceMap& tolerance;
+    const Strands& strands;
+    Allocation allocation;
+    int before = 0, samples = 0;  ///< of this round, and of the one before
+    bool are_most = false;
 
-/// The pixels of a tile in which an edge or strands show by more than their tolerance with `before` samples, and by
-/// less with `samples`, unless these are the most.
-bool mark_contrasts(const Frame& seen, std::size_t t, const core::ToleranceMap& tolerance, int before, int samples,
-                    bool are_most, PixelMarks& marks) {
+    /// Whether edges of a pixel err by more than its tolerance with so many samples.
+    bool shows_edges(int n, int x, int y, int surfaces) const {
+        const core::Tolerance& here = tolerance.pixels.at(x, y);
+        return here.background > 0.0f && edge_error(n) * edges_of(surfaces, n) * contrast_at(tolerance.pixels, x, y) >
+                                             here.allows(here.background);
+    }
+    /// Whether strands are worth more than half of so many.
+    bool are_worth(int n, int x, int y) const {
+        if (strands.light.empty() || !(strands.of_sample.at(x, y) > 0.0f)) return false;
+        const core::Tolerance& here = tolerance.pixels.at(x, y);
+        const double allowed = static_cast<double>(here.allows(std::max(strands.light.at(x, y), here.background))) /
+                               core::errors_of_noise,
+                     needs = samples_for(allowed * allowed, 1, std::pow(1.0 * strands.of_sample.at(x, y), 2));
+        return allocation.worth(needs, strands.rays) > least_of_round * n;
+    }
+};
+
+/// The pixels of a tile in which an edge or strands ask for more than `before` samples, and for no more than `samples`
+/// unless these are the most.
+bool mark_contrasts(const Frame& seen, std::size_t t, const LookingAgain& again, PixelMarks& marks) {
     const TileArea area = area_of(seen, t);
-    const PixelCounts surfaces = surfaces_of(seen.tiles[t]);
-    std::array<bool, tile_size * tile_size> strands{};
-    if (!seen.fibres.empty())
-        for (const FibreSample& f : seen.fibres[t]) strands[f.pixel] = strands[f.pixel] || !f.below;
+    const PixelCounts of_tile = surfaces_of(seen.tiles[t]);
     bool any = false;
     for (int y = area.first.y; y < area.end.y; ++y)
         for (int x = area.first.x; x < area.end.x; ++x) {
-            const core::Tolerance& here = tolerance.pixels.at(x, y);
-            const auto k = static_cast<std::size_t>((y % tile_size) * tile_size + x % tile_size);
-            const float contrast = contrast_at(tolerance.pixels, x, y), hair = strands[k] ? here.background : 0.0f,
-                        allowed = here.allows(here.background);
-            const bool shows = here.background > 0.0f && error_of(before, surfaces[k], contrast, hair) > allowed &&
-                               (are_most || error_of(samples, surfaces[k], contrast, hair) <= allowed);
+            const int surfaces = of_tile[static_cast<std::size_t>((y % tile_size) * tile_size + x % tile_size)];
+            const bool wants = again.shows_edges(again.before, x, y, surfaces) || again.are_worth(again.samples, x, y);
+            const bool shows = wants && (again.are_most || !(again.shows_edges(again.samples, x, y, surfaces) ||
+                                                             again.are_worth(rounds[1], x, y)));
             marks[static_cast<std::size_t>(y % tile_size)][static_cast<std::size_t>(x % tile_size)] = shows;
             any = any || shows;
         }
@@ -93,7 +105,8 @@ float edge_error(int samples) {
 }
 
 Frame refine_edges(const PosedScene& posed_scene, const SeeSettings& settings, const Plan& plan,
-                   const core::ToleranceMap& tolerance, int most_samples, Frame seen, SeeCounts& counts) {
+                   const core::ToleranceMap& tolerance, const Strands& strands, int most_samples, Frame seen,
+                   SeeCounts& counts) {
     if (tolerance.is_reference()) return seen;
     int before = std::max(settings.samples, settings.edge_samples);
     if (seen.samples.empty())
@@ -103,7 +116,8 @@ Frame refine_edges(const PosedScene& posed_scene, const SeeSettings& settings, c
     std::vector<SeeCounts> tile_counts(seen.tiles.size());
     for (const int samples : rounds) {
         if (samples <= before || samples > most_samples) continue;
-        const bool are_most = samples == rounds[1] || rounds[1] > most_samples;
+        const LookingAgain again{tolerance, strands, {tolerance.typical, tolerance.means, 0},
+                                 before,    samples, samples == rounds[1] || rounds[1] > most_samples};
         const std::vector<glm::vec2> pattern = sample_pattern(samples);
         const Looking looking{posed_scene.tracer(),
                               paths,
@@ -113,8 +127,7 @@ Frame refine_edges(const PosedScene& posed_scene, const SeeSettings& settings, c
                               true};
         parallel::for_each(seen.tiles.size(), [&](std::size_t t) {
             PixelMarks marks{};
-            if (mark_contrasts(seen, t, tolerance, before, samples, are_most, marks))
-                look_again(looking, t, marks, seen, tile_counts[t]);
+            if (mark_contrasts(seen, t, again, marks)) look_again(looking, t, marks, seen, tile_counts[t]);
         });
         before = samples;
     }
