@@ -156,17 +156,19 @@ struct Renderer::Impl {
 Frame Renderer::Impl::refined(const scene::Snapshot& snapshot, Frame frame, const core::ToleranceMap& tolerance) {
     if (settings.most_samples <= 0) return frame;
     Strands strands;
-    if (plan.runs(Pass::hair)) {
+    const SeeSettings seeing = see_settings();
+    if (plan.runs(Pass::hair) && !tolerance.is_reference() &&
+        settings.most_samples > std::max(seeing.samples, seeing.edge_samples)) {
         update_lights(snapshot);
         const Stopwatch timer(times[Pass::hair]);
         HairCounts counts;
-        strands = hair_light.look_at_strands(frame, see_settings().samples, counts);
+        strands = hair_light.look_at_strands(frame, seeing.samples, counts);
         statistics.hair.rays += counts.rays;
     }
     const Stopwatch timer(times[Pass::see]);
     SeeCounts counts;
-    frame = refine_edges(posed_scene, see_settings(), plan, tolerance, strands, settings.most_samples, std::move(frame),
-                         counts);
+    frame =
+        refine_edges(posed_scene, seeing, plan, tolerance, strands, settings.most_samples, std::move(frame), counts);
     add(counts, statistics);
     return frame;
 }

@@ -248,22 +248,6 @@ TEST(CoupledLoop, MaskingByTheDecodedPictureLightsTheFilmInAWayOfItsOwnSlow) {
     EXPECT_NEAR(mean_absolute(quantised.tolerances.at(8)) / mean_absolute(warped.tolerances.at(8)), 1.0, 0.3);
 }
 
-TEST(SharePrice, FallsNoFurtherWhereItDoesNotLowerTheLoss) {
-    const auto after = [](std::vector<LightLoss> pictures) {
-        SharePrice price(0.4f);
-        for (const LightLoss& found : pictures) price.learn(found, price.share());
-        return price.share();
-    };
-    EXPECT_FLOAT_EQ(after({{0.6, 0.2f}}), 0.2f);
-    // Half of the error has less than half of the loss: it goes on.
-    EXPECT_FLOAT_EQ(after({{0.6, 0.2f}, {0.25, 0.15f}}), 0.15f);
-    // It has most of the loss: the share that was before is as good, and stays the least.
-    EXPECT_FLOAT_EQ(after({{0.6, 0.2f}, {0.5, 0.1f}}), 0.4f);
-    EXPECT_FLOAT_EQ(after({{0.6, 0.2f}, {0.5, 0.1f}, {0.6, 0.2f}, {0.6, 0.2f}}), 0.4f);
-    EXPECT_FLOAT_EQ(after({{0.6, 0.2f}, {0.5, 0.1f}, {0.1, 0.8f}}), 0.8f) << "it may rise";
-    EXPECT_FLOAT_EQ(after({{0.0, 0.4f}, {0.0, 0.4f}}), 0.4f) << "without noise";
-}
-
 TEST(CoupledLoop, LetsRowsOfAPanoramaBeOffByWhatTheirSolidAngleHides) {
     scene::CameraLens lens;
     const scene::Camera flat(lens, glm::mat4(1.0f), 64, 32, 2);

@@ -33,15 +33,14 @@ void Coupling::take_rough_look(const core::Picture& picture, const core::Radianc
                                  steps_of(plan, plan.quantiser));
     is_judged_ = false;
     if (!settings_.fraction) {
-        price_ = SharePrice(expected_share(model_, *state_, light, settings_.loss));
-        price_of_predicted_ = {};
+        share_ = expected_share(model_, *state_, light, settings_.loss);
+        share_of_predicted_ = 0;
     }
     requantised_.reset();
 }
 
 float Coupling::share_of(const encoder::PicturePlan& plan) const {
-    const bool is_predicted = plan.type != encoder::PictureType::intra && price_of_predicted_.is_known();
-    return (is_predicted ? price_of_predicted_ : price_).share();
+    return plan.type != encoder::PictureType::intra && share_of_predicted_ > 0 ? share_of_predicted_ : share_;
 }
 
 core::ToleranceMap Coupling::tolerate(const core::Visible& visible, const encoder::PicturePlan& plan,
@@ -79,11 +78,10 @@ std::optional<double> Coupling::keep(const core::Picture& picture, const core::R
     };
     const LightLoss found = measured({seen.coefficients, seen.light.luma, prediction});
     if (settings_.fraction) return found.of_picture;
-    const float lit_by = share_of(plan);
-    if (is_intra && !price_of_predicted_.is_known())
-        price_of_predicted_ =
-            SharePrice(measured(perceptual::left_by_intra(seen.coefficients, steps.quantisation, steps.scale)).share);
-    (is_intra ? price_ : price_of_predicted_).learn(found, lit_by);
+    if (is_intra && share_of_predicted_ == 0)
+        share_of_predicted_ =
+            measured(perceptual::left_by_intra(seen.coefficients, steps.quantisation, steps.scale)).share;
+    (is_intra ? share_ : share_of_predicted_) = found.share;
     return found.of_picture;
 }
 

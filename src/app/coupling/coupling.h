@@ -4,7 +4,6 @@
 #include <map>
 #include <optional>
 
-#include "app/coupling/light_price.h"
 #include "app/options/options.h"
 #include "core/motion_field.h"
 #include "core/picture.h"
@@ -32,7 +31,7 @@ class Coupling {
         : model_(display, settings.strategy),
           coding_(coding),
           settings_(settings),
-          price_(settings.fraction.value_or(0)) {}
+          share_(settings.fraction.value_or(0)) {}
 
     /// Begins a chunk or a shot.
     void forget();
@@ -65,9 +64,9 @@ class Coupling {
     /// Its state between two frames.
     template <class A>
     friend void archive(A& a, Coupling& c) {
-        auto& [model, coding, settings, price, of_predicted, state, is_judged, requantised, warped, prediction, kept,
+        auto& [model, coding, settings, share, of_predicted, state, is_judged, requantised, warped, prediction, kept,
                reference, number] = c;
-        a(price, of_predicted, state, is_judged, kept, reference, number);
+        a(share, of_predicted, state, is_judged, kept, reference, number);
         if constexpr (std::is_same_v<A, core::ArchiveReader>) requantised.reset();
     }
 
@@ -91,8 +90,8 @@ class Coupling {
     perceptual::VisibilityModel model_;
     encoder::Settings coding_;
     CouplingSettings settings_;
-    SharePrice price_;               ///< of I pictures
-    SharePrice price_of_predicted_;  ///< of P and B pictures, which they tell; not known: as of I pictures
+    float share_;                   ///< of I pictures; 0: not known yet
+    float share_of_predicted_ = 0;  ///< of P and B pictures, which they tell; 0: as of I pictures
     std::optional<perceptual::TemporalState> state_;
     bool is_judged_ = false;                              ///< of a picture that is coded
     std::optional<perceptual::Requantised> requantised_;  ///< state_, for the frame lit last: B pictures share it

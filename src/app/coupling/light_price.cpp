@@ -81,16 +81,6 @@ float expected_share(const perceptual::VisibilityModel& model, const perceptual:
     return static_cast<float>(perceptual::number_of_loss(loss, least_share, most_share, loss_of));
 }
 
-void SharePrice::learn(const LightLoss& found, float lit_by) {
-    // Losses are squares of errors.
-    const double asked = 2 * error_power * std::log(core::divide_or(lit_by_, lit_by, 1.0f)),
-                 found_to_fall = std::log(core::divide_or(loss_, found.of_picture, 1.0));
-    if (found.share < lit_by && lit_by < lit_by_ && found_to_fall < 0.5 * asked) least_ = std::max(least_, lit_by_);
-    lit_by_ = lit_by;
-    loss_ = found.of_picture;
-    share_ = std::max(found.share, least_);
-}
-
 LightLoss measure_loss(perceptual::CodedBlocks blocks, const perceptual::PixelLight& seen, const core::Radiance& light,
                        const perceptual::InverseLuma& display, const perceptual::CodingPlan& coding, double loss,
                        float share) {

@@ -12,7 +12,9 @@ FrameState::FrameState(const LightingContext& lit_by, const scene::Snapshot& ins
       snapshot(instant),
       limits(cut_limits),
       rays(final_gather),
-      allocation{context.tolerance.typical, context.tolerance.means, context.tolerance.most_rays},
+      // Without rays tolerances are bounds (point_tolerances).
+      allocation{final_gather != nullptr ? context.tolerance.typical : 0.0f, context.tolerance.means,
+                 final_gather != nullptr ? context.tolerance.most_rays : 0.0f},
       records(store),
       other(left),
       grid(seen().visible.width(), seen().visible.height()),

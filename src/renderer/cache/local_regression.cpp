@@ -26,7 +26,7 @@ constexpr int largest_radius = 6;
 /// Crowds look no further: light changes from leaf to leaf more than from pixel to pixel, and records are many.
 constexpr int largest_of_crowd = 2;
 
-/// Records of a crowd face alike if their normals differ by less than this. Not tuned.
+/// Records of a crowd face alike if the cosine between their normals is no less. Not tuned.
 constexpr float same_facing = 0.7f;
 
 /// Whether records of the crowd about a point may tell its light, whatever object they are of.

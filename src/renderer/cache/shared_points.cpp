@@ -103,6 +103,7 @@ PointLight carried(const PointLight& light, const GatherPoint& from, const Gathe
     };
     const glm::vec3 before = albedo(from), now = albedo(to);
     PointLight carried = light;
+    carried.direct_cut = carried.indirect_cut = 0;
     for (int c = 0; c < 3; ++c) carried.glossy[c] *= core::divide_or(now[c], before[c], 0.0f);
     carried.clamped *=
         core::divide_or(core::luminance(carried.scattered(to)), core::luminance(light.scattered(from)), 0.0f);
@@ -160,7 +161,7 @@ void choose_gathered(FrameState& frame, std::vector<PointRef>& requests) {
         candidates.clear();
         for (end = first; end < requests.size() && place(end) == place(first); ++end) {
             Candidate c = candidate_of(frame, requests[end]);
-            if (c.chance < 1.0 && uses_cache(frame.point(c.ref)))
+            if (c.chance < 1.0 && uses_cache(frame.point(c.ref)) && std::isfinite(c.depth))
                 candidates.push_back(c);
             else
                 gathered.push_back(c.ref);

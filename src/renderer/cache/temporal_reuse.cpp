@@ -121,10 +121,12 @@ bool is_good_enough(const LitPoint& before, const PointTolerance& now, const Gat
              now.allows_noise(core::luminance(before.trees.scattered(p))));
 }
 
-/// Likewise light of suns with a size, which errs as far as they are sampled.
-bool are_suns_good_enough(const LitPoint& before, const PointTolerance& now, const GatherPoint& p) {
-    return now.part == before.tolerance.part || !(core::errors_of_one_in_hundred * before.exact.error.value >
-                                                  now.allows_samples(core::luminance(before.exact.scattered(p))));
+/// Likewise light of suns with a size, which errs as far as they are sampled. `are_prices`: by what rays are worth.
+bool are_suns_good_enough(const LitPoint& before, const PointTolerance& now, const GatherPoint& p, bool are_prices) {
+    if (now.part == before.tolerance.part) return true;
+    const float light = core::luminance(before.exact.scattered(p)), error = before.exact.error.value;
+    return are_prices ? !(core::errors_of_noise * error > now.allows_noise(light))
+                      : !(core::errors_of_one_in_hundred * error > now.allows_samples(light));
 }
 
 /// Reuses the light of a tile's points that are the very same as in the last frame. Whether all exact light is known by
@@ -144,7 +146,7 @@ bool reuse(FrameState& frame, std::size_t t, const FrameHistory& history, float 
             continue;
         }
         PointTolerance now = tile.tolerance[i];
-        all = all && (!has_suns || are_suns_good_enough(before, now, p));
+        all = all && (!has_suns || are_suns_good_enough(before, now, p, frame.allocation.typical > 0.0f));
         tile.exact[i] = before.exact;
         now.base += known_luminance(before.exact, p);
         if (!is_good_enough(before, now, p, reused_error, held)) continue;

@@ -18,6 +18,9 @@ namespace {
 /// Samples of a lane, step by step; the last are all that there are.
 constexpr std::array<int, 11> steps{1, 2, 4, 8, 16, 32, 64, 128, 256, 512, most_lamp_samples};
 
+/// Samples of a lane that tell whether it sees all of the lamp, or nothing.
+constexpr int least_told = 4;
+
 /// Of its tolerance, the standard error that a lane's light may have since its lamp is sampled. chosen: 1/4 of 1/8 and
 /// 1/4 (docs/model/lights.md).
 constexpr float part_of_tolerance = 0.25f;
@@ -91,6 +94,7 @@ class LampGatherer {
     std::optional<LobeIntegral> lobes_;     ///< where some lane is glossy
     std::uint32_t reached_ = 0;             ///< lanes that the lamp is above the horizon of
     std::uint32_t asked_ = 0;               ///< those of them whose shadow is not known
+    std::uint32_t tells_ = 0;               ///< those of them with samples enough to tell the other eye their shadow
     std::uint32_t along_lobes_ = 0;         ///< lanes that trace rays along their lobes
     std::uint32_t by_lobe_ = 0;             ///< lanes whose samples tell which share of their lobe is seen
     alignas(64) Lanes whole_{};             ///< irradiance without occlusion
@@ -140,7 +144,7 @@ void LampGatherer::take_known() {
 
 void LampGatherer::tell_shadows() const {
     for (int i = 0; accuracy_.shadows != nullptr && i < lane_count; ++i) {
-        if ((asked_ >> i & 1u) == 0) continue;
+        if ((tells_ >> i & 1u) == 0) continue;
         const float share = traced_.lamp.share(i);
         bool is_plain = traced_.lamp.weight[i] > 0.0f && (share == 0.0f || share == 1.0f) &&
                         (lobes_ == std::nullopt || lobe_share(i) == share);
@@ -189,6 +193,7 @@ void LampGatherer::trace_all() {
     const int samples = accuracy_.one_point ? most_lamp_samples / lane_count : most_lamp_samples;
     while (lobes_ && lobes_->samples() < samples) lobes_->refine();
     trace(reached_, 0, samples);
+    tells_ = asked_;
     if (!accuracy_.one_point) return;
     if (lobes_) lobes_->share_samples();
     traced_.lamp.share_samples();
@@ -299,6 +304,7 @@ void LampGatherer::trace_as_needed() {
     std::uint32_t asked = asked_;
     for (std::size_t s = 0; s < steps.size() && asked != 0; ++s) {
         trace(asked, s == 0 ? 0 : steps[s - 1], steps[s]);
+        if (steps[s] >= least_told) tells_ |= asked;
         asked = too_rough(asked, steps[s]);
     }
 }

@@ -4,6 +4,7 @@
 
 #include "core/color.h"
 #include "core/numeric.h"
+#include "renderer/cut/point_light.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -94,8 +95,16 @@ void interpolate_light(const Frame& frame, const UngatheredLight& ungathered, co
             const int lit_x = lit_beside(x, width), lit_y = lit_beside(y, height);
             const float share = core::divide_or(core::luminance(reflectance.at(x, y)),
                                                 core::luminance(reflectance.at(lit_x, lit_y)), 0.0f);
-            radiance.error.at(x, y) = share * radiance.error.at(lit_x, lit_y);
-            radiance.shared_error.at(x, y) = share * radiance.shared_error.at(lit_x, lit_y);
+            // Those of hair are each pixel's own.
+            PointLight own, of_lit;
+            own.add_alone({value_or_zero(ungathered.hair().error, x, y)});
+            of_lit.add_alone({value_or_zero(ungathered.hair().error, lit_x, lit_y)});
+            const auto carry = [&](core::Plane<float>& errors, float hair, float lit_hair) {
+                const float lit = errors.at(lit_x, lit_y);
+                errors.at(x, y) = std::hypot(share * std::sqrt(std::max(lit * lit - lit_hair * lit_hair, 0.0f)), hair);
+            };
+            carry(radiance.error, own.error.value, of_lit.error.value);
+            carry(radiance.shared_error, own.shared.value, of_lit.shared.value);
         }
 }
 

@@ -59,7 +59,7 @@ struct LookingAgain {
     const core::ToleranceMap& tolerance;
     const Strands& strands;
     Allocation allocation;
-    int before = 0, samples = 0;  ///< of this round, and of the one before
+    int before = 0, samples = 0;  ///< of the round before, and of this one
     bool are_most = false;
 
     /// Whether edges of a pixel err by more than its tolerance with so many samples.

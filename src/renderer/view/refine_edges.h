@@ -11,10 +11,9 @@ float edge_error(int samples);
 
 /// The frame, looked at again through pixels about which what is expected to be seen (Tolerance::background) differs so
 /// much that the place of an edge among their samples could show by more than their tolerance: with 64 samples, or 256
-/// where 64 would not be enough, but `most_samples` at most. Their gather points keep all their places
-/// (GatherPoint::more_places). Strands
-/// get as many samples as they are worth, of these counts. Nothing is known of pixels without a background. Adds to
-/// `counts`; does not depend on the number of threads.
+/// where 64 would not be enough, but `most_samples` at most. Nothing is known of edges in pixels without a background.
+/// Pixels of strands get those of these counts that they are worth. Gather points keep all their places
+/// (GatherPoint::more_places). Adds to `counts`; does not depend on the number of threads.
 Frame refine_edges(const PosedScene& posed_scene, const SeeSettings& settings, const Plan& plan,
                    const core::ToleranceMap& tolerance, const Strands& strands, int most_samples, Frame seen,
                    SeeCounts& counts);
