@@ -18,6 +18,9 @@ namespace {
 /// Samples of a lane, step by step; the last are all that there are.
 constexpr std::array<int, 11> steps{1, 2, 4, 8, 16, 32, 64, 128, 256, 512, most_lamp_samples};
 
+/// The first of them where tolerances are bounds: four samples, by which sixteen lanes probe sixty-four places.
+constexpr std::size_t first_of_bounds = 2;
+
 /// Samples of a lane that tell whether it sees all of the lamp, or nothing.
 constexpr int least_told = 4;
 
@@ -302,8 +305,9 @@ bool LampGatherer::is_too_rough(int lane, float light) const {
 /// Traces as many samples of the lanes as their tolerances ask for.
 void LampGatherer::trace_as_needed() {
     std::uint32_t asked = asked_;
-    for (std::size_t s = 0; s < steps.size() && asked != 0; ++s) {
-        trace(asked, s == 0 ? 0 : steps[s - 1], steps[s]);
+    const std::size_t first = accuracy_.tolerance->allocation.typical > 0.0f ? 0 : first_of_bounds;
+    for (std::size_t s = first; s < steps.size() && asked != 0; ++s) {
+        trace(asked, s == first ? 0 : steps[s - 1], steps[s]);
         if (steps[s] >= least_told) tells_ |= asked;
         asked = too_rough(asked, steps[s]);
     }

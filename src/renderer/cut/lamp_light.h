@@ -28,9 +28,10 @@ struct LampAccuracy {
 };
 
 /// A lamp's light in the lanes of a group [Szecsi2004]: J, the irradiance without occlusion, times the share of
-/// samples' weight that is visible, and the lobes' response to the samples in the same way. Each lane begins with one
-/// sample of its own, and takes twice as many, up to 1,024 stratified ones, as long as the share may still be off by
-/// more than a part of the lane's tolerance, or where samples have a price they are fewer than they are worth.
+/// samples' weight that is visible, and the lobes' response to the samples in the same way. Each lane begins with four
+/// stratified samples of its own, and takes twice as many, up to 1,024, as long as the share may still be off by more
+/// than a part of the lane's tolerance. Where samples have a price a lane begins with one, and goes on while they are
+/// fewer than they are worth.
 void gather_lamp(const AreaLamp& lamp, const GatherLanes& lanes, bool translucent, const LampAccuracy& accuracy,
                  ShadowTester& shadows, LampLight& out);
 
