@@ -22,8 +22,8 @@ FrameState::FrameState(const LightingContext& lit_by, const scene::Snapshot& ins
     limits.exact = false;
 }
 
-bool FrameState::is_crowded(const PointTolerance& tolerance) const {
-    return allocation.typical > 0.0f && allocation.worth(needs_by_share(tolerance)) < 1.0 * pilot_rays;
+double FrameState::pilots_worth(const PointTolerance& tolerance) const {
+    return allocation.typical > 0.0f ? allocation.worth(needs_by_share(tolerance)) / pilot_rays : 1.0;
 }
 
 std::optional<CacheQuery> FrameState::query_of(std::size_t t, std::size_t i) const {
@@ -37,14 +37,19 @@ std::optional<CacheQuery> FrameState::query_of(std::size_t t, std::size_t i) con
                           camera().pixel_extent(away),
                           receives(p),
                           std::nullopt,
-                          is_crowded(tiles[t].tolerance[i])};
+                          pilots_worth(tiles[t].tolerance[i]) < 1.0};
     }
     const auto on_picture = camera().project(p.point.position);
     if (!on_picture) return std::nullopt;
     const float extent = camera().pixel_extent(on_picture->depth);
     const auto eye = camera().has_eye() ? std::optional(camera().eye_of(p.point.position)) : std::nullopt;
-    return CacheQuery{
-        p, tiles[t].tolerance[i], on_picture->position, extent, receives(p), eye, is_crowded(tiles[t].tolerance[i])};
+    return CacheQuery{p,
+                      tiles[t].tolerance[i],
+                      on_picture->position,
+                      extent,
+                      receives(p),
+                      eye,
+                      pilots_worth(tiles[t].tolerance[i]) < 1.0};
 }
 
 glm::ivec2 FrameState::pixel_of(std::size_t tile, const GatherPoint& p) const {

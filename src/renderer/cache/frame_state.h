@@ -80,8 +80,9 @@ struct FrameState {
     const GatherPoint& point(const PointRef& r) const { return seen().tiles[r.tile][r.index]; }
     /// None for points that no picture shows, which does not happen but by rounding.
     std::optional<CacheQuery> query_of(std::size_t tile, std::size_t point) const;
-    /// Whether a point is worth fewer rays than a pilot has, by its share of its pixel.
-    bool is_crowded(const PointTolerance& tolerance) const;
+    /// Rays that a point is worth by its share of its pixel, over those of a pilot: below 1 it is one of a crowd. 1
+    /// where tolerances are bounds.
+    double pilots_worth(const PointTolerance& tolerance) const;
     glm::ivec2 pixel_of(std::size_t tile, const GatherPoint& p) const;
     glm::vec2 middle_of(std::size_t tile, const GatherPoint& p) const { return glm::vec2(pixel_of(tile, p)) + 0.5f; }
     /// Whether it lies on a lattice of so many pixels.

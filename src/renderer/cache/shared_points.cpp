@@ -8,7 +8,6 @@
 #include "core/color.h"
 #include "core/numeric.h"
 #include "parallel/loops.h"
-#include "renderer/cache/adaptive_rays.h"
 #include "renderer/cache/receiver.h"
 
 namespace render2mpeg::renderer {
@@ -37,9 +36,8 @@ int direction_of(glm::vec3 normal) {
 
 Candidate candidate_of(const FrameState& frame, const PointRef& ref) {
     const GatherPoint& p = frame.point(ref);
-    const double rays = frame.allocation.worth(needs_by_share(frame.tiles[ref.tile].tolerance[ref.index]));
     return {ref,
-            rays / pilot_rays,
+            frame.pilots_worth(frame.tiles[ref.tile].tolerance[ref.index]),
             p.point.bsdf.has_glossy(),
             p.path,
             p.point.material,
@@ -153,7 +151,6 @@ void share(TileState& tile, const GatherTile& points, const SharedStratum& strat
 }  // namespace
 
 void choose_gathered(FrameState& frame, std::vector<PointRef>& requests) {
-    if (!(frame.allocation.typical > 0.0f)) return;
     std::vector<PointRef> gathered;
     std::vector<Candidate> candidates;
     for (std::size_t first = 0, end = 0; first < requests.size(); first = end) {

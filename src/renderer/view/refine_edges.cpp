@@ -16,7 +16,7 @@ namespace {
 /// Samples of pixels that are looked at again, fewer first.
 constexpr int rounds[] = {64, 256};
 
-/// Pixels of strands take so many where they are worth more than half of them, the mean of that and a fourth by ratio.
+/// Pixels of strands take so many where they are worth more than half of them, midway from a fourth by ratio.
 constexpr double least_of_round = 0.5;
 
 /// By how much luminance is expected to differ about a pixel.
