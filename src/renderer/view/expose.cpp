@@ -279,6 +279,9 @@ void TileExposer::take(Fragment& fragment, int x, int y, float time, std::size_t
             p.smooth = middle.smooth;
         }
     }
+    if ((point & is_new) != 0)
+        found.points[point & ~is_new].spread.add(fragment.point.shading_normal, fragment.turn,
+                                                 weight.x + weight.y + weight.z);
     for (std::size_t k = first; k < found.parts.size(); ++k) {
         TileExposure::Part& part = found.parts[k];
         if (part.tile != tile || part.point != point) continue;

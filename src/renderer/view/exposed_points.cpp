@@ -60,7 +60,9 @@ void PointMerger::add(const std::vector<Ref>& more, std::size_t& next, GatherTil
         const auto same = std::find_if(merged.begin() + static_cast<std::ptrdiff_t>(first), merged.end(),
                                        [&](const GatherPoint& g) { return same_surface(g, fragment, p.extent); });
         place_[more[next].first][more[next].second] = static_cast<std::uint32_t>(same - merged.begin());
-        if (same == merged.end()) merged.push_back(p.point);
+        if (same != merged.end()) continue;
+        merged.push_back(p.point);
+        p.spread.fold_into(merged.back().point);
     }
 }
 

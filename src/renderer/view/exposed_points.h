@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "renderer/view/expose.h"
+#include "renderer/view/normal_spread.h"
 
 namespace render2mpeg::renderer {
 
@@ -16,6 +17,7 @@ struct NewPoint {
     std::uint32_t tile = 0;        ///< where it is seen from the middle
     std::uint16_t source = 0;      ///< pixel of the tile that found it, its home where its cell is not exposed
     std::uint32_t found_tile = 0;  ///< that
+    NormalSpread spread{};         ///< of all samples that it stands for
 };
 
 /// Marks places in TileExposure::points.

@@ -33,6 +33,7 @@ struct Fragment {
     glm::vec3 weight{0};              ///< share of the sample's light that comes by this surface, per channel
     float extent = 0;                 ///< how far apart neighbouring samples are across the ray there, scene units
     std::uint8_t path = direct_path;  ///< mirrors and glass before
+    SurfaceFootprint turn{};          ///< by how much normals differ at neighbouring samples; of narrow lobes alone
 };
 
 /// Main surface of a sample, straight ahead through layers and glass.

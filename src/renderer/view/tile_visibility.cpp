@@ -8,6 +8,7 @@
 
 #include "core/color.h"
 #include "core/numeric.h"
+#include "renderer/view/normal_spread.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -35,6 +36,10 @@ bool reflect_alike(const Bsdf& a, const Bsdf& b) {
     return std::abs(x - y) <= same_reflectance * std::max(x, y);
 }
 
+float weight_of(glm::vec3 weight) {
+    return weight.x + weight.y + weight.z;
+}
+
 /// Takes b into a: the weights add, and the reflectances become their means by weight.
 void merge(GatherPoint& a, const Fragment& b, glm::vec3 weight) {
     const glm::vec3 sum = a.weight + weight;
@@ -44,7 +49,7 @@ void merge(GatherPoint& a, const Fragment& b, glm::vec3 weight) {
         return m;
     };
     Bsdf& bsdf = a.point.bsdf;
-    const float heavy = a.weight.x + a.weight.y + a.weight.z, light = weight.x + weight.y + weight.z;
+    const float heavy = weight_of(a.weight), light = weight_of(weight);
     bsdf.alpha = core::divide_or(heavy * bsdf.alpha + light * b.point.bsdf.alpha, heavy + light, bsdf.alpha);
     if (bsdf.is_stretched() && b.point.bsdf.is_stretched()) {
         const Bsdf& other = b.point.bsdf;
@@ -179,13 +184,18 @@ class TileVisibility {
                 if (match != tile.end()) {
                     differ = differ || !reflect_alike(match->point.bsdf, fragment.point.bsdf);
                     merge(*match, fragment, weight);
+                    spreads_[static_cast<std::size_t>(match - tile.begin()) - first].add(
+                        fragment.point.shading_normal, fragment.turn, weight_of(weight));
                     add_place(tile, static_cast<std::size_t>(match - tile.begin()), shadow_origin(fragment.point));
                     continue;
                 }
                 differ = differ || s > 0;
                 tile.push_back({fragment.point, pixel, fragment.path, weight});
+                spreads_.emplace_back().add(fragment.point.shading_normal, fragment.turn, weight_of(weight));
             }
         }
+        for (std::size_t i = first; i < tile.size(); ++i) spreads_[i - first].fold_into(tile[i].point);
+        spreads_.clear();
         for (auto& [point, places] : more_places_)
             tile[point].more_places = std::make_shared<const std::vector<glm::vec3>>(std::move(places));
         more_places_.clear();
@@ -213,6 +223,7 @@ class TileVisibility {
     Found& found_;
     EyeSample sample_;
     EyeRays rays_;
+    std::vector<NormalSpread> spreads_;  ///< of the pixel's points
     /// Of the pixel's points, by their places in the tile.
     std::vector<std::pair<std::size_t, std::vector<glm::vec3>>> more_places_;
 };
