@@ -2,7 +2,6 @@
 // What frames of a chunk learn from those before them. Lights, and light within volumes, follow from instants alone.
 #include <array>
 
-#include "renderer/air/ambient_air.h"
 #include "renderer/cache/irradiance_cache.h"
 #include "renderer/calibration/calibration.h"
 #include "renderer/caustics/caustics.h"
@@ -14,25 +13,23 @@ struct ChunkMemory {
     IrradianceCache records{};
     FilmCalibration calibration{};
     Caustics caustics{};
-    AmbientAir ambient_air{};
     std::array<DraftLight, 2> drafts{};  ///< of either eye
 };
 
 /// A chunk begins.
 inline void forget(ChunkMemory& memory) {
-    auto& [records, calibration, caustics, ambient_air, drafts] = memory;
+    auto& [records, calibration, caustics, drafts] = memory;
     records.forget();
     calibration.forget();
     caustics.forget();
-    ambient_air = {};
     drafts = {};
 }
 
 /// For a chunk that goes on; drafts begin anew.
 template <class A>
 void archive(A& a, ChunkMemory& memory) {
-    auto& [records, calibration, caustics, ambient_air, drafts] = memory;
-    a(records, calibration, caustics, ambient_air);
+    auto& [records, calibration, caustics, drafts] = memory;
+    a(records, calibration, caustics);
 }
 
 }  // namespace render2mpeg::renderer

@@ -8,6 +8,7 @@
 #include "core/numeric.h"
 #include "parallel/lanes.h"
 #include "renderer/air/airlight.h"
+#include "renderer/air/fog_lighting.h"
 #include "renderer/air/volume_lighting.h"
 #include "renderer/calibration/audit.h"
 #include "renderer/chunk_memory.h"
@@ -34,9 +35,7 @@ struct Renderer::Impl {
           lights(posed_scene, plan, settings, statistics, times),
           memory{.caustics = Caustics({s.caustic_photons, plan.rays_see_sky_in_panes()})},
           final_gather(posed_scene, plan),
-          hair_light(posed_scene, plan, final_gather.cache()) {
-        begin();
-    }
+          hair_light(posed_scene, plan, final_gather.cache()) {}
     /// Beside `prepared`.
     explicit Impl(const Impl& prepared)
         : settings(prepared.settings),
@@ -45,16 +44,7 @@ struct Renderer::Impl {
           lights(prepared.lights, posed_scene, plan, settings, statistics, times),
           memory{.caustics = Caustics({settings.caustic_photons, plan.rays_see_sky_in_panes()})},
           final_gather(posed_scene, plan),
-          hair_light(posed_scene, plan, final_gather.cache()) {
-        begin();
-    }
-
-    void begin() {
-        if (lights.by_rays())
-            rays_of = RaysOf::all;
-        else if (plan.runs(Pass::lobe_rays))
-            rays_of = RaysOf::lobes;
-    }
+          hair_light(posed_scene, plan, final_gather.cache()) {}
 
     void pose(const scene::Snapshot& snapshot) {
         if (!started) start_chunk(snapshot);
@@ -69,7 +59,7 @@ struct Renderer::Impl {
         caches = settings.cache != CacheUse::off && (lights.by_rays() || settings.cache == CacheUse::on ||
                                                      !scene::traits_of(posed_scene.animation()).changes_light());
         forget(memory);
-        if (posed_scene.air() != nullptr) posed_scene.light_volumes({});
+        air_lit_at = -1;
     }
 
     SeeSettings see_settings() const {
@@ -120,7 +110,7 @@ struct Renderer::Impl {
     Frame refined(const scene::Snapshot& snapshot, Frame frame, const core::ToleranceMap& tolerance);
     Frame exposed(Frame frame, const ExposureSamples& samples);
     void add_effects(const scene::Snapshot& snapshot, const core::ToleranceMap* tolerance, PlacedFrame& placed);
-    void light_volumes(const AirInstant& instant);
+    void light_air(const AirInstant& instant);
     FrameLight gather_film(const scene::Snapshot& snapshot, const LightingContext& context, bool learns,
                            CutLimits& limits, ShadeCounts& counts);
     FrameLight gather_all(const scene::Snapshot& snapshot, const LightingContext& context, const CutLimits& limits,
@@ -140,11 +130,14 @@ struct Renderer::Impl {
     PassTimes times;
     PosedScene posed_scene;
     FilmLights lights;
-    std::optional<RaysOf> rays_of;  ///< that see light missing in light trees
+    /// That see light missing in light trees.
+    std::optional<RaysOf> rays_of = lights.by_rays()             ? std::optional(RaysOf::all)
+                                    : plan.runs(Pass::lobe_rays) ? std::optional(RaysOf::lobes)
+                                                                 : std::nullopt;
     bool started = false;
     bool caches = false;  ///< light is cached in this chunk
     ChunkMemory memory;
-    std::int64_t volumes_lit_at = -1;  ///< FilmLights::lit_frame
+    std::int64_t air_lit_at = -1;  ///< FilmLights::lit_frame
     FinalGather final_gather;
     HairLight hair_light;
     double shared_seconds = 0;         ///< of gathering by rays, that rows have already
@@ -202,21 +195,26 @@ void Renderer::Impl::add_effects(const scene::Snapshot& snapshot, const core::To
     update_lights(snapshot);
     const std::vector<LightPoint> points = lights.points();
     const AirInstant instant = air_instant(points);
-    light_volumes(instant);
+    light_air(instant);
     const Stopwatch timer(times[plan.runs(Pass::air) ? Pass::air : Pass::volumes]);
-    statistics.air_rays += add_airlight(instant, memory.ambient_air, tolerance, frame, sum);
+    statistics.air_rays += add_airlight(instant, tolerance, frame, sum);
 }
 
-/// Light within volumes, where it is not known yet, from the instant alone: what was gathered before is forgotten.
-void Renderer::Impl::light_volumes(const AirInstant& instant) {
+/// Light within air, where it is not known yet, from the instant alone: what was gathered before is forgotten.
+void Renderer::Impl::light_air(const AirInstant& instant) {
     const Air& air = *posed_scene.air();
-    if (air.volumes().empty() || (!air.lights().empty() && volumes_lit_at == instant.lit_frame)) return;
-    const Stopwatch timer(times[Pass::volumes]);
+    if (std::exchange(air_lit_at, instant.lit_frame) == instant.lit_frame && air.is_lit()) return;
     posed_scene.light_volumes({});
-    final_gather.forget(lights.sky_of_rays());
-    posed_scene.light_volumes(light_within_volumes(instant, statistics.air_rays));
-    final_gather.forget(lights.sky_of_rays());
-    volumes_lit_at = instant.lit_frame;
+    posed_scene.light_fog({});
+    if (!air.volumes().empty()) {
+        const Stopwatch timer(times[Pass::volumes]);
+        final_gather.forget(lights.sky_of_rays());
+        posed_scene.light_volumes(light_within_volumes(instant, statistics.air_rays));
+        final_gather.forget(lights.sky_of_rays());
+    }
+    if (air.fog() == nullptr) return;
+    const Stopwatch timer(times[Pass::air]);
+    light_fog(instant, posed_scene, statistics.air_rays);
 }
 
 /// Light of all points of a frame, by light trees and rays; no cache.
@@ -354,8 +352,8 @@ void Renderer::save(core::ArchiveWriter& archive) {
 }
 
 void Renderer::restore(core::ArchiveReader& archive) {
-    // Light within volumes follows from the instant, and finds cells that the state replaces.
-    if (impl_->posed_scene.air() != nullptr) impl_->light_volumes(impl_->air_instant(impl_->lights.points()));
+    // Light within air follows from the instant, and finds cells that the state replaces.
+    if (impl_->posed_scene.air() != nullptr) impl_->light_air(impl_->air_instant(impl_->lights.points()));
     impl_->keep(archive);
     if (!impl_->memory.records.is_sound(impl_->posed_scene.posed())) throw core::Error("records of light are damaged");
 }

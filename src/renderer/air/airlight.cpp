@@ -284,22 +284,17 @@ void Airlight::add(const std::vector<SeenAir>& air, const core::Plane<std::uint8
 }
 
 /// Returns the shadow rays.
-std::uint64_t add_fog(const AirInstant& instant, AmbientAir& ambient, const core::ToleranceMap* tolerance,
-                      const Frame& seen, EffectLight& light) {
+std::uint64_t add_fog(const AirInstant& instant, const core::ToleranceMap* tolerance, const Frame& seen,
+                      EffectLight& light) {
     const PosedScene& posed_scene = instant.posed_scene;
-    const scene::Animation& film = posed_scene.animation();
     const std::vector<LightPoint> points = points_beyond_rays(instant);
     const std::vector<LightPoint> lamps = air_lamps(points, instant.light_trees);
-    const bool bounces = posed_scene.air()->fog()->is_lit_by_bounces();
-    FinalGather* gather = bounces || posed_scene.sky() != nullptr ? instant.gather : nullptr;
-    ambient.start(instant.lit_frame, instant.light_trees, points, gather, bounces,
-                  glm::length(film.bounds_max - film.bounds_min));
     std::optional<AmbientColumns> columns;
-    if (ambient.shines()) columns.emplace(posed_scene, seen, ambient);
+    if (!posed_scene.air()->lit_fog().empty()) columns.emplace(posed_scene, seen);
     Airlight airlight(posed_scene, lamps, instant.light_trees.bodies, columns ? &*columns : nullptr, tolerance, seen);
     airlight.add(seen.air, nullptr, light.all, &light.specular);
     if (!light.exposed.empty()) airlight.add(seen.exposure->air, &seen.exposure->exposed, light.exposed, nullptr);
-    return airlight.rays() + (columns ? columns->rays() : 0);
+    return airlight.rays();
 }
 
 }  // namespace
@@ -309,8 +304,8 @@ std::vector<LightPoint> points_beyond_rays(const AirInstant& instant) {
                                      : instant.points;
 }
 
-std::uint64_t add_airlight(const AirInstant& instant, AmbientAir& ambient, const core::ToleranceMap* tolerance,
-                           const Frame& seen, UngatheredLight& sum) {
+std::uint64_t add_airlight(const AirInstant& instant, const core::ToleranceMap* tolerance, const Frame& seen,
+                           UngatheredLight& sum) {
     if (seen.air.empty()) return 0;
     const PosedScene& posed_scene = instant.posed_scene;
     const core::Plane<glm::vec3> black(seen.visible.width(), seen.visible.height(), glm::vec3(0));
@@ -318,7 +313,7 @@ std::uint64_t add_airlight(const AirInstant& instant, AmbientAir& ambient, const
     if (!seen.emitted_specular.empty()) light.specular = black;
     if (seen.exposure && !seen.exposure->air.empty()) light.exposed = black;
     std::uint64_t rays = 0;
-    if (posed_scene.air()->fog() != nullptr) rays = add_fog(instant, ambient, tolerance, seen, light);
+    if (posed_scene.air()->fog() != nullptr) rays = add_fog(instant, tolerance, seen, light);
     if (!posed_scene.air()->volumes().empty()) add_volumes_seen(posed_scene, seen, light);
     sum.add_air(std::move(light));
     return rays;

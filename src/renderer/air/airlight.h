@@ -6,7 +6,7 @@
 
 #include "core/tolerance_map.h"
 #include "renderer/air/air_lamp.h"
-#include "renderer/air/ambient_air.h"
+#include "renderer/gather/final_gather.h"
 #include "renderer/surface/frame.h"
 #include "renderer/surface/posed_scene.h"
 #include "renderer/surface/ungathered_light.h"
@@ -26,9 +26,9 @@ struct AirInstant {
 std::vector<LightPoint> points_beyond_rays(const AirInstant& instant);
 
 /// Adds the light of the air that each pixel shows. It is found along a lattice of rays, finer where it changes, and
-/// interpolated between them at each pixel's own distances. `ambient` learns. `tolerance`: the frame's; null: for a
+/// interpolated between them at each pixel's own distances. The air is lit. `tolerance`: the frame's; null: for a
 /// rough look. Returns the shadow rays. The same for any number of threads.
-std::uint64_t add_airlight(const AirInstant& instant, AmbientAir& ambient, const core::ToleranceMap* tolerance,
-                           const Frame& seen, UngatheredLight& light);
+std::uint64_t add_airlight(const AirInstant& instant, const core::ToleranceMap* tolerance, const Frame& seen,
+                           UngatheredLight& light);
 
 }  // namespace render2mpeg::renderer

@@ -16,6 +16,13 @@ constexpr float step_ratio = 1.4f;
 /// Behind air of this optical depth, and beyond so many sizes of the scene, light counts as even.
 constexpr float deep_enough = 6.0f, scenes_away = 4.0f;
 
+/// The nearest step over the scene's size. chosen: 1/64.
+constexpr float nearest_step = 1.0f / 64;
+
+float extent_of(const scene::Animation& film) {
+    return glm::length(film.bounds_max - film.bounds_min);
+}
+
 /// Air of the sharp picture and of blurred pixels.
 std::vector<const SeenAir*> all_air(const Frame& seen) {
     std::vector<const SeenAir*> all;
@@ -27,11 +34,10 @@ std::vector<const SeenAir*> all_air(const Frame& seen) {
 
 }  // namespace
 
-AmbientColumns::AmbientColumns(const PosedScene& posed_scene, const Frame& seen, AmbientAir& ambient)
+AmbientColumns::AmbientColumns(const PosedScene& posed_scene, const Frame& seen)
     : all_air_(*posed_scene.air()),
       air_(*all_air_.fog()),
-      ambient_(ambient),
-      eye_(posed_scene.posed().camera.position()),
+      least_distance_(nearest_step * std::max(extent_of(posed_scene.animation()), 1e-6f)),
       across_(seen.tiles_across() + 1) {
     const scene::Camera& camera = posed_scene.posed().camera;
     const int down = (seen.visible.height() + tile_size - 1) / tile_size + 1;
@@ -44,25 +50,17 @@ AmbientColumns::AmbientColumns(const PosedScene& posed_scene, const Frame& seen,
         }
     // As far as is looked anywhere, or light changes.
     const scene::Animation& film = posed_scene.animation();
-    float farthest = ambient.least_distance();
+    float farthest = least_distance_;
     const std::vector<const SeenAir*> all = all_air(seen);
     for (const SeenAir* tile : all)
         for (const AirSpan& span : tile->straight) farthest = std::max(farthest, span.distance);
     const float away = glm::length(camera.position() - 0.5f * (film.bounds_min + film.bounds_max));
-    farthest = std::min(farthest, std::max(scenes_away * glm::length(film.bounds_max - film.bounds_min) + away,
-                                           ambient.least_distance()));
+    farthest = std::min(farthest, std::max(scenes_away * extent_of(film) + away, least_distance_));
     while (distance_of(steps_ - 1) < farthest && steps_ < 200) ++steps_;
 
-    std::vector<glm::vec4> places;
     const auto useful = [&](const Column& c, int step) {
         return step == 0 || air_.optical_depth(c.origin, c.direction, distance_of(step - 1)) < deep_enough;
     };
-    for (const Column& c : columns_)
-        for (int s = 0; s < steps_ && useful(c, s); ++s)
-            places.emplace_back(c.origin + distance_of(s) * c.direction, distance_of(s));
-    for (const SeenAir* tile : all)
-        for (const AirPath& path : tile->beyond) places.emplace_back(path.origin, glm::length(path.origin - eye_));
-    rays_ = ambient.learn(posed_scene.tracer(), places);
     parallel::for_each(columns_.size(), [&](std::size_t i) {
         Column& c = columns_[i];
         c.light.assign(static_cast<std::size_t>(steps_) + 1, glm::vec3(0));
@@ -81,7 +79,7 @@ AmbientColumns::AmbientColumns(const PosedScene& posed_scene, const Frame& seen,
 }
 
 float AmbientColumns::distance_of(int step) const {
-    return ambient_.least_distance() * std::pow(step_ratio, static_cast<float>(step));
+    return least_distance_ * std::pow(step_ratio, static_cast<float>(step));
 }
 
 float AmbientColumns::lost(const Column& column, float distance) const {
@@ -90,12 +88,12 @@ float AmbientColumns::lost(const Column& column, float distance) const {
 
 glm::vec3 AmbientColumns::fluence(const Column& column, int step) const {
     const float distance = distance_of(step);
-    return ambient_.fluence(column.origin + distance * column.direction, distance) *
+    return all_air_.lit_fog().rest_at(column.origin + distance * column.direction) *
            glm::exp(-all_air_.depth_of_volumes(column.origin, column.direction, distance));
 }
 
 glm::vec3 AmbientColumns::at(const Column& column, float distance) const {
-    const float above = std::log(std::max(distance / ambient_.least_distance(), 1e-30f)) / std::log(step_ratio);
+    const float above = std::log(std::max(distance / least_distance_, 1e-30f)) / std::log(step_ratio);
     const int below = static_cast<int>(std::clamp(std::floor(above), -1.0f, static_cast<float>(steps_ - 1)));
     const bool last = below == steps_ - 1;
     const float from = below < 0 ? 0.0f : lost(column, distance_of(below));
@@ -118,7 +116,7 @@ glm::vec3 AmbientColumns::light(glm::ivec2 pixel, float distance) const {
 glm::vec3 AmbientColumns::along(const AirPath& path) const {
     // Lit as where it begins.
     const float lost = -std::expm1(-air_.optical_depth(path.origin, path.direction, path.distance));
-    return lost * air_.albedo() * ambient_.fluence(path.origin, glm::length(path.origin - eye_));
+    return lost * air_.albedo() * all_air_.lit_fog().rest_at(path.origin);
 }
 
 }  // namespace render2mpeg::renderer

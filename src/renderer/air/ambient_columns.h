@@ -1,27 +1,24 @@
 #pragma once
 // Smooth light of the air along a coarse lattice of rays from the eye.
-#include <cstdint>
 #include <glm/glm.hpp>
 #include <vector>
 
-#include "renderer/air/ambient_air.h"
 #include "renderer/surface/frame.h"
 #include "renderer/surface/posed_scene.h"
 
 namespace render2mpeg::renderer {
 
-/// Ambient light that air scatters before the eye, sampled at the corners of tiles and at evenly growing
+/// Light that fog scatters before the eye of all but lamps' own, sampled at the corners of tiles and at evenly growing
 /// distances; interpolated in between.
 class AmbientColumns {
   public:
     /// As far as any of `seen` looks.
-    AmbientColumns(const PosedScene& posed_scene, const Frame& seen, AmbientAir& ambient);
+    AmbientColumns(const PosedScene& posed_scene, const Frame& seen);
 
     /// From the eye as far as a distance, about the middle of a pixel.
     glm::vec3 light(glm::ivec2 pixel, float distance) const;
     /// The same along any ray.
     glm::vec3 along(const AirPath& path) const;
-    std::uint64_t rays() const { return rays_; }
 
   private:
     struct Column {
@@ -35,11 +32,9 @@ class AmbientColumns {
 
     const Air& all_air_;
     const FogMedium& air_;
-    const AmbientAir& ambient_;
-    glm::vec3 eye_;
+    float least_distance_;  ///< light nearer to the eye counts as that there
     int across_, steps_ = 1;
     std::vector<Column> columns_;
-    std::uint64_t rays_ = 0;
 };
 
 }  // namespace render2mpeg::renderer

@@ -26,6 +26,17 @@ void add(double factor, const std::vector<double>& from, std::vector<double>& to
 
 }  // namespace
 
+void ScatteringSystem::Sums::move_to(Row& row, float part) {
+    row.cells.reserve(touched_.size());
+    row.weights.reserve(touched_.size());
+    for (const std::uint32_t c : touched_) {
+        row.cells.push_back(c);
+        row.weights.push_back(part * weights_[c]);
+        weights_[c] = 0;
+    }
+    touched_.clear();
+}
+
 /// (x - K (albedo x)) / own_share
 ScatteringSystem::Values ScatteringSystem::remaining(const Values& x, const Values& albedo,
                                                      const Values& own_share) const {

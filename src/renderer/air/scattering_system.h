@@ -14,6 +14,22 @@ class ScatteringSystem {
         std::vector<float> weights;
     };
 
+    /// A row as it is summed up.
+    class Sums {
+      public:
+        explicit Sums(std::size_t cells) : weights_(cells, 0.0f) {}
+        void add(std::size_t cell, float weight) {
+            if (weights_[cell] == 0.0f) touched_.push_back(static_cast<std::uint32_t>(cell));
+            weights_[cell] += weight;
+        }
+        /// Times `part`; nothing is left.
+        void move_to(Row& row, float part);
+
+      private:
+        std::vector<float> weights_;  ///< by cell
+        std::vector<std::uint32_t> touched_;
+    };
+
     explicit ScatteringSystem(std::size_t cells) : rows_(cells) {}
     Row& row(std::size_t cell) { return rows_[cell]; }
 

@@ -4,17 +4,16 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <numbers>
 #include <unordered_set>
 #include <vector>
 
 #include "core/color.h"
 #include "core/numeric.h"
-#include "core/sampling.h"
 #include "parallel/loops.h"
+#include "renderer/air/lamp_ways.h"
 #include "renderer/air/scattering_system.h"
+#include "renderer/air/smooth_air.h"
 #include "renderer/base/stream.h"
-#include "renderer/cut/shadow_rays.h"
 #include "renderer/lights/light_points.h"
 
 namespace render2mpeg::renderer {
@@ -32,9 +31,6 @@ constexpr std::size_t most_lamps = 16;
 
 /// Directions that a cell looks along. chosen: 64.
 constexpr std::size_t cell_directions = 64;
-
-/// Optical depths that ways keep at most.
-constexpr float deepest_way = 60.0f;
 
 /// Rays end where less than this is left.
 constexpr float least_left = 1e-5f;
@@ -153,15 +149,17 @@ class OneVolume {
     struct Span;
 
     float strength(const LightPoint& lamp) const;
-    LampWay way_to(const LightPoint& lamp, glm::vec3 place) const;
     glm::vec3 place_of(std::size_t cell) const {
         return medium_.to_world(static_cast<float>(cells_.spacing) * glm::vec3(cells_.samples[cell]));
+    }
+    /// Mean radiance of lamps with ways.
+    glm::vec3 lamps_at(std::size_t cell) const {
+        return light_.lamps_mean(medium_, static_cast<float>(cells_.spacing) * glm::vec3(cells_.samples[cell]));
     }
     Looks look_from();
     Span span_of(const RayQuery& ray, float end) const;
     glm::vec3 along(std::span<const OneVolume> all, const RayQuery& ray, const FinalGather::Seen& seen,
                     Shares& shares) const;
-    glm::vec3 from_all_sides(glm::vec3 place) const;
 
     const AirInstant& instant_;
     const Air& air_;
@@ -188,20 +186,6 @@ float OneVolume::strength(const LightPoint& lamp) const {
     return core::divide_or(core::luminance(lamp.intensity), glm::dot(way, way), never);
 }
 
-LampWay OneVolume::way_to(const LightPoint& lamp, glm::vec3 place) const {
-    LampWay found;
-    const glm::vec3 way = lamp.is_far() ? -lamp.normal : lamp.position - place;
-    const float length = glm::length(way);
-    if (!lamp.is_far() && !(lamp.emitted(-way / std::max(length, 1e-20f), length * length) > 0.0f)) return found;
-    const float before = core::divide_or(std::sqrt(lamp.disc2), length, 1.0f);
-    const float far = lamp.is_far() ? never : std::clamp(1.0f - before, 0.0f, shadow_ray_end);
-    found.passes = instant_.posed_scene.tracer().passes(place, way, far, instant_.light_trees.bodies);
-    if (found.passes == glm::vec3(0)) return found;
-    const glm::vec3 direction = way / std::max(length, 1e-20f);
-    found.depth = glm::min(air_.depth_of_light(place, direction, lamp.is_far() ? never : length), deepest_way);
-    return found;
-}
-
 void OneVolume::find_ways(std::span<const LightPoint> lamps) {
     if (!scatters() || lamps.empty()) return;
     std::vector<LightPoint> nearest(lamps.begin(), lamps.end());
@@ -218,7 +202,8 @@ void OneVolume::find_ways(std::span<const LightPoint> lamps) {
         VolumeLamp found{lamp, empty};
         parallel::for_ranges(samples.size(), 64, [&](std::size_t first, std::size_t last) {
             for (std::size_t i = first; i < last; ++i)
-                found.ways.set(samples[i], way_to(lamp, medium_.to_world(static_cast<float>(light_.lamp_spacing) *
+                found.ways.set(samples[i], way_of_light(instant_, lamp,
+                                                        medium_.to_world(static_cast<float>(light_.lamp_spacing) *
                                                                          glm::vec3(samples[i]))));
         });
         rays_ += samples.size();
@@ -261,7 +246,7 @@ std::size_t OneVolume::find_cells(std::size_t first) {
     return count;
 }
 
-/// Rays of all cells, as even as points of a spiral are, turned otherwise at each.
+/// Rays of all cells.
 OneVolume::Looks OneVolume::look_from() {
     Looks looks;
     looks.rays.reserve(cells_.samples.size() * cell_directions);
@@ -272,28 +257,9 @@ OneVolume::Looks OneVolume::look_from() {
                                .at(static_cast<std::uint64_t>(static_cast<std::uint32_t>(sample.x)) << 32 |
                                    static_cast<std::uint32_t>(sample.y))
                                .at(static_cast<std::uint32_t>(sample.z));
-        const glm::vec3 place = place_of(cell);
-        // A random rotation.
-        const glm::vec3 axis = core::sample_sphere({own.uniform(0), own.uniform(1)});
-        const float turned = 2.0f * std::numbers::pi_v<float> * own.uniform(2);
-        glm::vec3 a, b;
-        core::make_frame(axis, a, b);
-        for (std::size_t k = 0; k < cell_directions; ++k) {
-            const float h = 1.0f - (2.0f * static_cast<float>(k) + 1.0f) / static_cast<float>(cell_directions);
-            const float r = core::sqrt_or_zero(1.0f - h * h), angle = 2.39996323f * static_cast<float>(k) + turned;
-            looks.rays.push_back(
-                {place, glm::normalize(h * axis + r * (std::cos(angle) * a + std::sin(angle) * b)), never});
-        }
+        add_even_rays(place_of(cell), cell_directions, own, looks.rays);
     }
-    if (instant_.gather != nullptr) {
-        looks.seen = instant_.gather->seen_by(looks.rays, numbers);
-    } else {
-        std::vector<Hit> hits(looks.rays.size());
-        instant_.posed_scene.tracer().any_nearest(looks.rays, hits, false);
-        looks.seen.resize(hits.size());
-        for (std::size_t i = 0; i < hits.size(); ++i)
-            looks.seen[i].distance = hits[i].found() ? hits[i].distance : never;
-    }
+    looks.seen = seen_at_ends(instant_, looks.rays, numbers, true);
     rays_ += looks.rays.size();
     return looks;
 }
@@ -307,23 +273,7 @@ struct OneVolume::Shares {
         glm::vec3 albedo;
     };
     std::vector<Medium> medium;  ///< scratch
-    std::vector<float> weights;  ///< by cell
-    std::vector<std::uint32_t> touched;
-
-    void add(std::size_t cell, float weight) {
-        if (weights[cell] == 0.0f) touched.push_back(static_cast<std::uint32_t>(cell));
-        weights[cell] += weight;
-    }
-    void move_to(ScatteringSystem::Row& row, float part) {
-        row.cells.reserve(touched.size());
-        row.weights.reserve(touched.size());
-        for (const std::uint32_t c : touched) {
-            row.cells.push_back(c);
-            row.weights.push_back(part * weights[c]);
-            weights[c] = 0;
-        }
-        touched.clear();
-    }
+    ScatteringSystem::Sums cells;
 };
 
 /// Part of a ray that lies within a volume's lattice, and how it goes there.
@@ -406,26 +356,12 @@ glm::vec3 OneVolume::along(std::span<const OneVolume> all, const RayQuery& ray, 
                 const glm::vec3 place = m.span->place(at);
                 light +=
                     share * m.albedo * v.light_.lamps_mean(v.medium_, static_cast<float>(v.cells_.spacing) * place);
-                v.cells_.about(place, [&](std::size_t c, float w) { shares.add(v.cells_.first + c, share * w); });
+                v.cells_.about(place, [&](std::size_t c, float w) { shares.cells.add(v.cells_.first + c, share * w); });
             }
             left *= 1.0f - lost;
         }
     }
     return light + left * std::exp(-air_.fog_of_light(ray.origin, ray.direction, seen.distance)) * seen.light;
-}
-
-/// Mean radiance of lamps without ways.
-glm::vec3 OneVolume::from_all_sides(glm::vec3 place) const {
-    glm::vec3 sum(0);
-    for (const LightPoint& lamp : other_lamps_) {
-        const LampWay way = way_to(lamp, place);
-        const glm::vec3 d = place - lamp.position;
-        const float distance2 = lamp.is_far() ? 1.0f : std::max(glm::dot(d, d), medium_.voxel() * medium_.voxel());
-        const float emitted = lamp.is_far() ? 1.0f : lamp.emitted(core::normalize_or(d, lamp.normal), distance2);
-        sum += way.passes * lamp.intensity * glm::exp(-way.depth) *
-               (emitted / (4.0f * std::numbers::pi_v<float> * distance2));
-    }
-    return sum;
 }
 
 void OneVolume::own_light(std::span<const OneVolume> all, const SmoothAirLight& smooth, std::vector<glm::vec3>& own,
@@ -436,19 +372,19 @@ void OneVolume::own_light(std::span<const OneVolume> all, const SmoothAirLight& 
     const Looks looks = look_from();
     std::vector<glm::vec3> places;
     for (std::size_t cell = 0; cell < count; ++cell) places.push_back(place_of(cell));
-    const std::vector<glm::vec3> more =
-        smooth.shines ? smooth.at(instant_.posed_scene.tracer(), places, rays_) : std::vector(count, glm::vec3(0));
+    std::vector<float> known(count);
     parallel::for_ranges(count, 32, [&](std::size_t first, std::size_t last) {
-        Shares shares;
-        shares.weights.assign(own.size(), 0.0f);
+        Shares shares{{}, ScatteringSystem::Sums(own.size())};
         for (std::size_t cell = first; cell < last; ++cell) {
-            glm::vec3 light = more[cell] + from_all_sides(places[cell]);
+            glm::vec3 light = mean_of_lamps(instant_, other_lamps_, places[cell], medium_.voxel());
             for (std::size_t ray = cell * cell_directions; ray < (cell + 1) * cell_directions; ++ray)
                 light += part * along(all, looks.rays[ray], looks.seen[ray], shares);
-            shares.move_to(system.row(cells_.first + cell), part);
+            shares.cells.move_to(system.row(cells_.first + cell), part);
             own[cells_.first + cell] = core::is_finite(light) ? light : glm::vec3(0);
+            known[cell] = core::luminance(own[cells_.first + cell] + lamps_at(cell));
         }
     });
+    rays_ += smooth.add(instant_.posed_scene.tracer(), places, known, std::span(own).subspan(cells_.first, count));
 }
 
 VolumeLight OneVolume::with(const std::vector<glm::vec3>& light, std::uint64_t& rays) {

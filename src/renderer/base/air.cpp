@@ -129,4 +129,15 @@ glm::vec3 Air::light_of_volumes(glm::vec3 from, glm::vec3 direction, float dista
     return sum;
 }
 
+glm::vec3 Air::light_for_rays(glm::vec3 from, glm::vec3 direction, float distance) const {
+    glm::vec3 light = light_of_volumes(from, direction, distance, VolumeView::rough);
+    if (!fog_) return light;
+    lit_fog_.along(*fog_, from, direction, distance, [&](glm::vec3 place, float share) {
+        glm::vec3 part = share * fog_->albedo() * lit_fog_.light_at(place);
+        if (!volumes_.empty()) part *= glm::exp(-depth_of_volumes(from, direction, glm::distance(from, place)));
+        light += part;
+    });
+    return light;
+}
+
 }  // namespace render2mpeg::renderer

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "renderer/base/fog_medium.h"
+#include "renderer/base/lit_fog.h"
 #include "renderer/base/volume_light.h"
 #include "renderer/base/volume_medium.h"
 
@@ -33,19 +34,25 @@ class Air {
     /// Optical depth of volumes.
     glm::vec3 depth_of_volumes(glm::vec3 from, glm::vec3 direction, float distance) const;
 
-    /// Light within `volumes`, as many. Until then they are black.
+    /// Light within `volumes`, as many, and within fog. Until then they are black.
     void light(std::vector<VolumeLight> lights) { lights_ = std::move(lights); }
+    void light(LitFog lit_fog) { lit_fog_ = std::move(lit_fog); }
+    const LitFog& lit_fog() const { return lit_fog_; }
+    bool is_lit() const { return (volumes_.empty() || !lights_.empty()) && (!fog_ || !lit_fog_.empty()); }
     const std::vector<VolumeLight>& lights() const { return lights_; }
     /// Adds the radiance that volumes before each of `count` distances, which rise, send to the origin.
     void add_light(glm::vec3 from, glm::vec3 direction, VolumeView view, const float* ends, std::size_t count,
                    glm::vec3* sums) const;
     /// The same as far as one distance.
     glm::vec3 light_of_volumes(glm::vec3 from, glm::vec3 direction, float distance, VolumeView view) const;
+    /// What a ray that looks for light sees of the air before `distance`: volumes roughly, and fog.
+    glm::vec3 light_for_rays(glm::vec3 from, glm::vec3 direction, float distance) const;
 
   private:
     std::optional<FogMedium> fog_;
     std::vector<VolumeMedium> volumes_;
     std::vector<VolumeLight> lights_;
+    LitFog lit_fog_;
 };
 
 }  // namespace render2mpeg::renderer

@@ -26,6 +26,7 @@ enum class Purpose : std::uint64_t {
     true_paths,
     rays_of_volumes,
     shared_points,
+    rays_of_fog,
 };
 
 /// Whose numbers a stream has. What is alike for all pixels, or in all frames, names none.

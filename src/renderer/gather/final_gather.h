@@ -103,8 +103,9 @@ class FinalGather {
         glm::vec3 light{0};
         float distance = 0;
     };
-    /// The same for all rays, in their order; `numbers`: ray k's are those at k. Rays are unit.
-    std::vector<Seen> seen_by(std::span<const RayQuery> rays, const Stream& numbers);
+    /// The same for all rays, in their order; `numbers`: ray k's are those at k; `bounces`: surfaces send what they
+    /// bounce. Rays are unit.
+    std::vector<Seen> seen_by(std::span<const RayQuery> rays, const Stream& numbers, bool bounces);
 
     /// Light of surfaces at the posed instant, for whoever asks.
     SurfaceCache& cache() { return cache_; }

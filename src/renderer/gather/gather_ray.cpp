@@ -127,10 +127,10 @@ CellQuery polished(CellQuery place, const SurfacePoint& p, const RayRules& rules
     return place;
 }
 
-/// Takes what the air on the way to the hit leaves of light, and adds what its volumes send if they are `bright`.
+/// Takes what the air on the way to the hit leaves of light, and adds what it sends if it is `bright`.
 void pass_air(const Air& air, const RayQuery& ray, const Hit& hit, bool bright, glm::vec3& passing, glm::vec3& known) {
     const float way = hit.found() ? hit.distance : std::numeric_limits<float>::infinity();
-    if (bright) known += passing * air.light_of_volumes(ray.origin, ray.direction, way, VolumeView::rough);
+    if (bright) known += passing * air.light_for_rays(ray.origin, ray.direction, way);
     passing *= air.left_of_light(ray.origin, ray.direction, way);
 }
 

@@ -18,12 +18,14 @@ constexpr float spread_of_sides = 2.0f * cell_spread;
 
 }  // namespace
 
-std::vector<FinalGather::Seen> FinalGather::seen_by(std::span<const RayQuery> rays, const Stream& numbers) {
+std::vector<FinalGather::Seen> FinalGather::seen_by(std::span<const RayQuery> rays, const Stream& numbers,
+                                                    bool bounces) {
     const Stopwatch timer(counts_.seconds);
     std::vector<Seen> seen(rays.size());
     RayRules rules;
     rules.brightest = sky_.brightest;
     rules.own_volume = true;
+    rules.bounces = bounces;
     rules.spread = spread_of_sides;
     rules.bodies_block = bodies_block_;
     for (std::size_t from = 0; from < rays.size(); from += side_rays_at_once) {

@@ -150,8 +150,7 @@ bool LightPaths::meet(Path& path, PathNumbers& numbers, glm::vec3& light) const 
         const Hit hit = path.ray.meet(posed_scene_);
         const float way = hit.found() ? hit.distance : std::numeric_limits<float>::infinity();
         if (const Air* air = posed_scene_.air(); air != nullptr && path.ray.media.empty())
-            light +=
-                path.throughput * air->light_of_volumes(path.ray.origin, path.ray.direction, way, VolumeView::rough);
+            light += path.throughput * air->light_for_rays(path.ray.origin, path.ray.direction, way);
         path.throughput *= path.ray.left_by_air(posed_scene_, way);
         if (!hit.found()) {
             light += path.throughput * escaped(path);

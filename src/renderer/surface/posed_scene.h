@@ -100,6 +100,8 @@ class PosedScene {
     const Air* air() const;
     /// Light within the volumes of the posed instant, as many as `air` has, or none; kept until volumes are others.
     void light_volumes(std::vector<VolumeLight> lights);
+    /// Light within its fog; kept until the next.
+    void light_fog(LitFog light);
 
     /// Background where there is no surface, and its light; null where the plan wants neither.
     const image::SkyMap* sky() const;
