@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0 OR GPL-3.0-or-later
-"""blender -b --factory-startup -noaudio --python-exit-code 1 FILE.blend -P stop_engine.py -- REPOSITORY FOLDER FRAME FRAMES EFFORT
+"""blender -b --factory-startup -noaudio --python-exit-code 1 FILE.blend -P stop_engine.py -- REPOSITORY FOLDER FRAME FRAMES EFFORT HOW
 
-Makes a film of FRAMES frames with the render engine; stops it once FRAME is written, or not if that is 0: as Ctrl-C
-does, which ends Blender itself from 4 on, so that there the program alone is stopped.
+Makes a film of FRAMES frames with the render engine; stops it once FRAME is written, or not if that is 0. HOW: `signal`, as Ctrl-C does,
+which ends Blender itself from 4 on, so that there, as with `run`, the program alone is stopped.
 """
 import os
 import signal
@@ -15,7 +15,7 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 sys.dont_write_bytecode = True
 from install_extension import install  # noqa: E402
 
-repository, folder, last, frames, effort = sys.argv[sys.argv.index("--") + 1:]
+repository, folder, last, frames, effort, how = sys.argv[sys.argv.index("--") + 1:]
 package = install(repository)
 scene = bpy.context.scene
 render, settings = scene.render, scene.render2mpeg
@@ -31,7 +31,7 @@ def stop(scene, *_):
         # Of a film of many chunks the first is there.
         while int(frames) > 60 and not os.path.exists(settings.output + ".partial/chunk_00000.json"):
             time.sleep(0.05)
-        if bpy.app.version < (4, 0, 0):
+        if how == "signal" and bpy.app.version < (4, 0, 0):
             os.kill(os.getpid(), signal.SIGINT)
         else:
             package.engine.Given.film.run.stop()

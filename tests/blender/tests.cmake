@@ -1,4 +1,4 @@
-# One Blender serves all tests that need no Blender of their own: a start takes seconds.
+# One Blender serves all tests that need no Blender of their own, and another one what they call meanwhile: a start takes seconds.
 set(RENDER2MPEG_BLENDER_SOCKET ${PROJECT_BINARY_DIR}/blender.socket)
 set(RENDER2MPEG_SERVED_BLENDER ${CMAKE_CURRENT_SOURCE_DIR}/blender/served)
 foreach(way begin end)

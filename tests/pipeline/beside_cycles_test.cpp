@@ -84,11 +84,9 @@ TEST(BesideCycles, HoldsAFilmAgainstCyclesSlow) {
         << outcome.output;
 
     // A Blender without Cycles.
-    std::ofstream(folder / "less") << "#!/bin/sh\nexec /usr/bin/env blender --python-expr 'import sys; "
-                                      "sys.modules[\"_cycles\"] = None' \"$@\"\n";
-    std::filesystem::permissions(folder / "less", std::filesystem::perms::owner_all);
     const support::Outcome less = run(program() + " compare '" + film + "' --beside cycles --blender " +
-                                      path(folder, "less") + " --size 64x36 --sample 1x1");
+                                      support::blender_after(folder, "import sys; sys.modules[\"_cycles\"] = None") +
+                                      " --size 64x36 --sample 1x1");
     EXPECT_EQ(less.status, 1);
     EXPECT_NE(less.output.find("has no Cycles"), std::string::npos) << less.output;
 }

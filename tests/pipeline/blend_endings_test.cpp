@@ -110,11 +110,10 @@ TEST(BlendExports, ThatWereKilledAreRemovedByLaterOnes) {
 }
 
 TEST(BlendFilesThatUseSlow, WhatIsNoPlainFileAreRefusedByItsName) {
-    if (run("command -v blender").status != 0) GTEST_SKIP() << "Blender is not installed";
+    if (!support::blender_is_there()) GTEST_SKIP() << "Blender is not installed";
     const Folder folder;
-    const Outcome made = run("blender -b --factory-startup -noaudio --python-exit-code 1 -P " +
-                             (support::source_folder() / "tests/blender/make_users_of_files.py").string() + " -- " +
-                             folder.path().string());
+    const Outcome made =
+        support::blender("-P " + support::blender_script("make_users_of_files.py") + " -- " + folder.path().string());
     ASSERT_EQ(made.status, 0) << made.output;
     const std::pair<const char*, const char*> films[] = {
         {"image", "picture.png"}, {"volume", "smoke.vdb"}, {"cache", "moves.mdd"}, {"sound", "voice.wav"}};

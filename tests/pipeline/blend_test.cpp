@@ -111,27 +111,21 @@ def Camera "Eye" {
         EXPECT_NE(said.output.find(words), std::string::npos) << said.output;
 }
 
-TEST(BlendFileSlow, ExecutesNothingThatItHolds) {
-    NEEDS_BLENDER();
-    const Folder folder;
-    make(folder, "hostile");
-    const Outcome said =
-        run("cd " + folder.path().string() + " && " + with_own_blender(program()) + " plan --within 0 hostile.blend");
-    EXPECT_EQ(said.status, 0) << said.output;
+void expect_nothing_executed(const fs::path& folder, const std::string& said) {
     std::size_t executed = 0;
-    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder.path()))
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder))
         executed += entry.path().filename() == "EXECUTED";
     EXPECT_EQ(executed, 0u);
     for (const char* line : {"Cube: driver of location: its Python expression is not executed",
                              "bomb.py: text that registers itself: not executed"})
-        EXPECT_NE(said.output.find(line), std::string::npos) << said.output;
+        EXPECT_NE(said.find(line), std::string::npos) << said;
 }
 
-TEST(BlendFileSlow, IsExportedOnceUntilItChangesAndThatCountsAsLoading) {
+TEST(BlendFileSlow, IsExportedOnceUntilItChangesExecutesNothingAndThatCountsAsLoading) {
     NEEDS_BLENDER();
     const Folder folder;
-    make(folder, "instances");
-    const fs::path blend = folder / "instances.blend";
+    make(folder, "hostile");
+    const fs::path blend = folder / "hostile.blend";
     // Another Python on the PATH, as virtual environments have it, is none of Blender's business.
     fs::create_directories(folder / "bin");
     std::ofstream(folder / "bin/python3") << "#!/bin/sh\n";
@@ -140,11 +134,14 @@ TEST(BlendFileSlow, IsExportedOnceUntilItChangesAndThatCountsAsLoading) {
         fs::create_directories(folder / "lib" / ("python" + std::string(version)) / "lib-dynload");
         std::ofstream(folder / "lib" / ("python" + std::string(version)) / "os.py") << "";
     }
-    const std::string command = program() + " render -y --hold --quiet --frames 0:0 --size 16x16 --stats " +
-                                path(folder, "s.json") + " -o " + path(folder, "a.%04d.png") + " " + blend.string(),
-                      alone = "PATH=" + path(folder, "bin") + ":$PATH " + with_own_blender(command);
+    const std::string command = program() + " render -y --hold --frames 0:0 --size 16x16 --stats " +
+                                path(folder, "s.json") + " -o " + path(folder, "a.%04d.png") + " hostile.blend",
+                      here = "cd " + folder.path().string() + " && ",
+                      alone = here + "PATH=" + path(folder, "bin") + ":$PATH " + with_own_blender(command);
     const auto seconds = [&] { return nlohmann::json::parse(contents(folder / "s.json")).at("seconds"); };
-    ASSERT_EQ(run(alone).status, 0);
+    const Outcome said = run(alone);
+    ASSERT_EQ(said.status, 0) << said.output;
+    expect_nothing_executed(folder.path(), said.output);
     const nlohmann::json exporting = seconds();
     const fs::path first = export_of(blend);
     const auto written = fs::last_write_time(first / "film.json");
@@ -156,7 +153,7 @@ TEST(BlendFileSlow, IsExportedOnceUntilItChangesAndThatCountsAsLoading) {
     EXPECT_LE(exporting.at("load").get<double>(), exporting.at("cpu").get<double>());
 
     std::ofstream(blend, std::ios::binary | std::ios::app) << '\0';
-    ASSERT_EQ(run(command).status, 0);
+    ASSERT_EQ(run(here + command).status, 0);
     EXPECT_NE(std::distance(fs::directory_iterator(blend.string() + ".export"), fs::directory_iterator{}), 1);
 }
 
@@ -298,12 +295,10 @@ TEST(CyclesFramesSlow, BecomeAFilmWithTheirMotion) {
 TEST(BlendFileSlow, WithoutNumpyNamesThePackageThatIsMissing) {
     NEEDS_BLENDER();
     const Folder folder;
-    std::ofstream(folder / "blender") << "#!/bin/sh\nexec /usr/bin/env blender --python-expr 'import sys; "
-                                         "sys.modules[\"numpy\"] = None' \"$@\"\n";
-    std::filesystem::permissions(folder / "blender", std::filesystem::perms::owner_all);
+    const std::string without = support::blender_after(folder, "import sys; sys.modules[\"numpy\"] = None");
     make(folder, "markers");
-    const Outcome refused = run("RENDER2MPEG_BLENDER=" + path(folder, "blender") + " " + program() +
-                                " plan --within 0 " + path(folder, "markers.blend"));
+    const Outcome refused =
+        run("RENDER2MPEG_BLENDER=" + without + " " + program() + " plan --within 0 " + path(folder, "markers.blend"));
     EXPECT_EQ(refused.status, 1);
     EXPECT_NE(refused.output.find("markers.blend: Blender's Python lacks numpy: install it"), std::string::npos)
         << refused.output;
@@ -333,10 +328,9 @@ TEST(BlendOfANewerBlender, IsToldWithBothVersions) {
 TEST(BlenderAimSlow, HasACarShowASign) {
     NEEDS_BLENDER();
     const Folder folder;
-    const Outcome made = run(
-        "BLENDER_USER_SCRIPTS=" + path(folder, "user") + " BLENDER_USER_CONFIG=" + path(folder, "user") + " " +
-        support::with_own_blender("blender") + " -b --factory-startup -noaudio --python-exit-code 1 -P " +
-        script("aim.py") + " -- " + (support::binary_folder() / "extension").string() + " " + folder.path().string());
+    const Outcome made = support::users_blender(folder, "-P " + script("aim.py") + " -- " +
+                                                            (support::binary_folder() / "extension").string() + " " +
+                                                            folder.path().string());
     EXPECT_NE(made.output.find("AIM WORKS"), std::string::npos) << made.output;
     const Outcome planned = run(program() + " plan --within 0 " + path(folder, "aimed.blend"));
     ASSERT_EQ(planned.status, 0) << planned.output;

@@ -1,7 +1,7 @@
 // cpu_seconds NAME SECONDS PROGRAM [WORD...]: runs a test and appends "NAME <CPU seconds> <clock seconds> <exit
 // status>" to the file that RENDER2MPEG_TEST_TIMES names, if any. CPU seconds are those of the program and of all
-// processes that it or its children waited for. A process that takes more than SECONDS of one processor is ended
-// (SIGXCPU): a bound that holds on slow and on busy machines alike.
+// processes that it or its children waited for; what serves it adds a line (RENDER2MPEG_TEST is NAME). A process that
+// takes more than SECONDS of one processor is ended (SIGXCPU): a bound that holds on slow and on busy machines alike.
 // "cpu_seconds --drawn NAME ..." is left out (exit status 77) where RENDER2MPEG_TEST_BUDGET is set and the tests in
 // that file have taken as many CPU seconds.
 #include <sys/resource.h>
@@ -65,6 +65,7 @@ int main(int count, char** words) {
             limit.rlim_cur = most;
             setrlimit(RLIMIT_CPU, &limit);
         }
+        setenv("RENDER2MPEG_TEST", words[1], 1);
         execv(words[3], words + 3);
         std::perror(words[3]);
         _exit(127);

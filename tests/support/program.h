@@ -64,20 +64,44 @@ inline std::string contents(const std::filesystem::path& file) {
     return text.str();
 }
 
-/// Blender with these words, which name files by absolute paths: the one that ctest names, which serves all tests, or
-/// the user's, also a Python whose module `bpy` it is. Its working directory goes with it: its simulations write there.
-inline Outcome blender(const std::string& words) {
+/// The Blender that ctest names, which serves all tests, or the user's, also a Python whose module `bpy` it is.
+inline std::string blender_words() {
     const char* named = std::getenv("RENDER2MPEG_BLENDER");
     std::string program = named != nullptr ? named : "blender";
     if (std::filesystem::path(program).filename().string().starts_with("python"))
         program += " " + (source_folder() / "blender/bpy_program.py").string();
+    return program;
+}
+/// Blender with these words, which name files by absolute paths. Its working directory goes with it: its simulations
+/// write there.
+inline Outcome blender(const std::string& words) {
     const Folder scratch;
-    return run("cd " + scratch.path().string() + " && " + program +
+    return run("cd " + scratch.path().string() + " && " + blender_words() +
                " -b --factory-startup --disable-autoexec -noaudio --python-exit-code 1 " + words);
 }
-/// A Blender of the test's own, whatever ctest names: for what depends on how it is started.
+/// Starts a Blender of its own, whatever ctest names: for what depends on how it is started.
 inline std::string with_own_blender(const std::string& command) {
     return "env -u RENDER2MPEG_BLENDER -u RENDER2MPEG_TEST_BLENDER " + command;
+}
+/// The installed Blender, by the one that serves all tests where there is one.
+inline std::string installed_blender() {
+    return std::getenv("RENDER2MPEG_TEST_BLENDER") != nullptr ? blender_words() : with_own_blender("blender");
+}
+/// A program in Blender's place that runs this Python first.
+inline std::string blender_after(const Folder& folder, const std::string& python) {
+    const auto file = folder / "blender";
+    std::ofstream(file) << "#!/bin/sh\nexec " << installed_blender() << " --python-expr '" << python << "' \"$@\"\n";
+    std::filesystem::permissions(file, std::filesystem::perms::owner_all);
+    return file.string();
+}
+/// A Blender of a user who has nothing else installed.
+inline Outcome users_blender(const Folder& folder, const std::string& words,
+                             const std::string& blender = installed_blender()) {
+    std::string user;
+    for (const char* place : {"SCRIPTS", "CONFIG", "EXTENSIONS"})
+        user += std::string("BLENDER_USER_") + place + "=" + (folder / "user").string() + " ";
+    return run("cd " + folder.path().string() + " && " + user + blender +
+               " -b --factory-startup -noaudio --python-exit-code 1 " + words);
 }
 inline bool blender_is_there() {
     static const bool there = run("command -v blender").status == 0;
