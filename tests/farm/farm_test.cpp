@@ -130,7 +130,7 @@ std::string all_of(const FarmFilm& film, const std::string& name) {
 }
 
 TEST(Farm, MakesAllThatOneRunMakesSlow) {
-    const FarmFilm film("--audit 1", 180);
+    const FarmFilm film("--audit 1", 122);
     ASSERT_EQ(film.render(all_of(film, "one")).status, 0);
     const auto planned = film.farm(all_of(film, "film"), "--to parallel --parts 3");
     ASSERT_EQ(planned.status, 0) << planned.output;

@@ -30,7 +30,7 @@ TEST(AlsoFilms, InTheSameViewHaveTheSameBytesSlow) {
 
 TEST(AlsoFilms, OfFarmsAreThoseOfOneRunSlow) {
     const Folder folder;
-    const std::string what = plain_film() + " --frames 0:75 --hold --gop 5 --size 64x48 --exposure 0 --quiet -o ";
+    const std::string what = plain_film() + " --frames 0:61 --hold --gop 5 --size 64x48 --exposure 0 --quiet -o ";
     ASSERT_EQ(run(program() + " render " + what + path(folder, "a.mp4") + " --also pq " + path(folder, "b.mp4")).status,
               0);
     const std::string farm = path(folder, "c.mp4.farm");

@@ -128,7 +128,7 @@ TEST(GrainInFilms, TellsTheBitsThatItTakesSlow) {
 
 TEST(GrainInFilms, IsTheSameWhateverMakesThemSlow) {
     const Folder folder;
-    std::ofstream(folder / "film.json") << R"({ "exposure": 0, "frames": 130, "size": [64, 64], "grain": 1600,
+    std::ofstream(folder / "film.json") << R"({ "exposure": 0, "frames": 62, "size": [64, 64], "grain": 1600,
         "camera": { "position": [0, 0, 4] }, "objects": [{ "shape": "quad", "size": [8, 5], "position": [0, 0, -2] }],
         "lights": [{ "kind": "sphere", "radius": 0.05, "intensity": 900, "position": [0.5, 0.2, 0] }] })";
     const auto made = [&](const std::string& options, const std::string& name) {

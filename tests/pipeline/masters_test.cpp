@@ -115,10 +115,11 @@ TEST_P(Masters, RefuseRatesTheyDoNotHave) {
 }
 
 TEST_P(Masters, AreTheSameForAnyThreadsAfterAKillAndOfPartsSlow) {
-    std::ofstream(folder_ / "scene.json")
-        << R"({ "camera": { "position": [0, 0, 3] }, "sky": 1, "exposure": 0, "objects": [{ "shape": "box" }] })";
+    const std::string size = GetParam().smallest, away = size == "64x48" ? "3" : "9";  // rays at the box are dear
+    std::ofstream(folder_ / "scene.json") << R"({ "camera": { "position": [0, 0, )" << away
+                                          << R"(] }, "sky": 1, "exposure": 0, "objects": [{ "shape": "box" }] })";
     // Two chunks, of 41 frames and of three.
-    const std::string what = path(folder_, "scene.json") + " --size " + GetParam().smallest +
+    const std::string what = path(folder_, "scene.json") + " --size " + size +
                              " --gop 41 --frames 0:43 --samples 1 --tolerance fixed=50% --hold --quiet --codec " +
                              GetParam().codec;
     const auto render = [&](const std::string& name, const std::string& more) {
