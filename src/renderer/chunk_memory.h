@@ -1,5 +1,5 @@
 #pragma once
-// What frames of a chunk learn from those before them. Lights, and light within volumes, follow from instants alone.
+// What frames of a chunk learn from those before them. Lights, and light within air, follow from instants alone.
 #include <array>
 
 #include "renderer/cache/irradiance_cache.h"

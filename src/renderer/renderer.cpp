@@ -52,7 +52,6 @@ struct Renderer::Impl {
         posed_scene.pose(snapshot);
         statistics.image_notes = posed_scene.notes();
     }
-
     void start_chunk(const scene::Snapshot& first) {
         started = true;
         lights.start_chunk(first);
@@ -67,13 +66,16 @@ struct Renderer::Impl {
                 settings.specular_depth, settings.mattes,  settings.transparent};
     }
 
-    /// Lights of the posed snapshot. Where they are others, gathered light is told.
+    /// Of the posed snapshot. Where they are others, gathered light is told.
     void update_lights(const scene::Snapshot& snapshot) {
-        if (!lights.update(snapshot)) return;
-        memory.records.light_changes();
-        if (rays_of || plan.runs(Pass::hair) || plan.runs(Pass::subsurface)) final_gather.forget(lights.sky_of_rays());
+        if (lights.update(snapshot)) {
+            memory.records.light_changes();
+            if (rays_of || plan.runs(Pass::hair) || plan.runs(Pass::subsurface)) forget_cells();
+        }
+        light_air();
     }
 
+    void forget_cells() { final_gather.forget(lights.sky_of_rays()); }
     /// Parts the time of gathering among the rows of the plan that it serves, by clusters.
     void share_time(double seconds, const ShadeCounts& counts) {
         const double all = final_gather.counts().seconds, gathering = all - std::exchange(shared_seconds, all);
@@ -96,8 +98,10 @@ struct Renderer::Impl {
         return {lights.trees(), posed_scene.tracer(), frame, ungathered, snapshot.camera.position(), tolerance};
     }
 
-    AirInstant air_instant(const std::vector<LightPoint>& points) {
-        return {posed_scene, points, lights.trees(), lights.by_rays() ? &final_gather : nullptr, lights.lit_frame()};
+    AirInstant air_instant() {
+        FinalGather* gather = lights.by_rays() ? &final_gather : nullptr;
+        return {posed_scene, lights.points(),    lights.trees(),
+                gather,      lights.lit_frame(), plan.runs(Pass::indirect_tree)};
     }
 
     /// Adds a frame to the statistics.
@@ -110,7 +114,7 @@ struct Renderer::Impl {
     Frame refined(const scene::Snapshot& snapshot, Frame frame, const core::ToleranceMap& tolerance);
     Frame exposed(Frame frame, const ExposureSamples& samples);
     void add_effects(const scene::Snapshot& snapshot, const core::ToleranceMap* tolerance, PlacedFrame& placed);
-    void light_air(const AirInstant& instant);
+    void light_air();
     FrameLight gather_film(const scene::Snapshot& snapshot, const LightingContext& context, bool learns,
                            CutLimits& limits, ShadeCounts& counts);
     FrameLight gather_all(const scene::Snapshot& snapshot, const LightingContext& context, const CutLimits& limits,
@@ -131,9 +135,7 @@ struct Renderer::Impl {
     PosedScene posed_scene;
     FilmLights lights;
     /// That see light missing in light trees.
-    std::optional<RaysOf> rays_of = lights.by_rays()             ? std::optional(RaysOf::all)
-                                    : plan.runs(Pass::lobe_rays) ? std::optional(RaysOf::lobes)
-                                                                 : std::nullopt;
+    std::optional<RaysOf> rays_of = missing_light(lights.by_rays(), plan.runs(Pass::lobe_rays));
     bool started = false;
     bool caches = false;  ///< light is cached in this chunk
     ChunkMemory memory;
@@ -193,28 +195,29 @@ void Renderer::Impl::add_effects(const scene::Snapshot& snapshot, const core::To
     }
     if (posed_scene.air() == nullptr) return;
     update_lights(snapshot);
-    const std::vector<LightPoint> points = lights.points();
-    const AirInstant instant = air_instant(points);
-    light_air(instant);
     const Stopwatch timer(times[plan.runs(Pass::air) ? Pass::air : Pass::volumes]);
-    statistics.air_rays += add_airlight(instant, tolerance, frame, sum);
+    statistics.air_rays += add_airlight(air_instant(), tolerance, frame, sum);
 }
 
 /// Light within air, where it is not known yet, from the instant alone: what was gathered before is forgotten.
-void Renderer::Impl::light_air(const AirInstant& instant) {
-    const Air& air = *posed_scene.air();
-    if (std::exchange(air_lit_at, instant.lit_frame) == instant.lit_frame && air.is_lit()) return;
-    posed_scene.light_volumes({});
-    posed_scene.light_fog({});
-    if (!air.volumes().empty()) {
+void Renderer::Impl::light_air() {
+    const Air* air = posed_scene.air();
+    if (air == nullptr || (air_lit_at == lights.lit_frame() && air->is_lit())) return;
+    const AirInstant instant = air_instant();
+    air_lit_at = -1;
+    posed_scene.darken_air();
+    forget_cells();
+    if (!air->volumes().empty()) {
         const Stopwatch timer(times[Pass::volumes]);
-        final_gather.forget(lights.sky_of_rays());
         posed_scene.light_volumes(light_within_volumes(instant, statistics.air_rays));
-        final_gather.forget(lights.sky_of_rays());
     }
-    if (air.fog() == nullptr) return;
-    const Stopwatch timer(times[Pass::air]);
-    light_fog(instant, posed_scene, statistics.air_rays);
+    forget_cells();
+    if (air->fog() != nullptr) {
+        const Stopwatch timer(times[Pass::air]);
+        light_fog(instant, posed_scene, statistics.air_rays);
+    }
+    forget_cells();
+    air_lit_at = instant.lit_frame;
 }
 
 /// Light of all points of a frame, by light trees and rays; no cache.
@@ -222,7 +225,7 @@ FrameLight Renderer::Impl::gather_all(const scene::Snapshot& snapshot, const Lig
                                       const CutLimits& limits, ShadeCounts& counts) {
     FrameLight light = gather_light(context, limits, counts);
     if (!rays_of) return light;
-    if (!caches) final_gather.forget(lights.sky_of_rays());
+    if (!caches) forget_cells();
     add_rays(final_gather, snapshot.camera, context, *rays_of, light);
     return light;
 }
@@ -353,7 +356,7 @@ void Renderer::save(core::ArchiveWriter& archive) {
 
 void Renderer::restore(core::ArchiveReader& archive) {
     // Light within air follows from the instant, and finds cells that the state replaces.
-    if (impl_->posed_scene.air() != nullptr) impl_->light_air(impl_->air_instant(impl_->lights.points()));
+    impl_->light_air();
     impl_->keep(archive);
     if (!impl_->memory.records.is_sound(impl_->posed_scene.posed())) throw core::Error("records of light are damaged");
 }

@@ -16,10 +16,11 @@ namespace render2mpeg::renderer {
 /// An instant that air is lit at.
 struct AirInstant {
     const PosedScene& posed_scene;  ///< it has air
-    const std::vector<LightPoint>& points;
+    std::vector<LightPoint> points;
     const LightTrees& light_trees;
     FinalGather* gather = nullptr;  ///< sees bounced light and the sky; null: light trees hold them
     std::int64_t lit_frame = 0;     ///< stands for its light
+    bool bounces = true;            ///< surfaces bounce light
 };
 
 /// Direct light points of the instant that gather rays do not see.

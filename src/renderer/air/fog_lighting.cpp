@@ -21,19 +21,13 @@ constexpr int most_corners = 1000;
 /// Directions that a corner looks along. chosen: 48, six in each octant; not tuned.
 constexpr std::size_t corner_directions = 48;
 
-/// The box is that about the scene, at whose border fog begins to dim the sky; no thinner than this share of its
-/// longest side. chosen: 1/16.
-constexpr float thinnest = 1.0f / 16;
-
 /// A lamp's light at a corner is at most the mean over a cell about the lamp: the mean of 1 / r^2 over a ball as large
 /// is 3 over its squared radius, and that is 0.62 times a cube's side.
 constexpr float least_of_cell = 0.62f * 0.57735f;
 
-LitFog lattice_about(const scene::Animation& film) {
-    const glm::vec3 extent = film.bounds_max - film.bounds_min;
-    const float longest = std::max({extent.x, extent.y, extent.z});
-    if (!(longest > 0.0f) || !std::isfinite(longest)) return {};
-    const glm::vec3 sides = glm::max(extent, thinnest * longest), low = film.bounds_min - 0.5f * (sides - extent);
+LitFog lattice_in(const FogMedium& fog) {
+    const glm::vec3 low = fog.low(), sides = fog.high() - low;
+    if (!(std::min({sides.x, sides.y, sides.z}) > 0.0f) || !core::is_finite(sides)) return {};
     float size = std::cbrt(sides.x * sides.y * sides.z / most_corners);
     const auto cells = [&] { return glm::max(glm::ivec3(glm::ceil(sides / size)), glm::ivec3(1)); };
     const auto corners = [&] { return (cells().x + 1) * (cells().y + 1) * (cells().z + 1); };
@@ -48,16 +42,17 @@ std::vector<RayQuery> rays_from(const LitFog& fog, const Stream& numbers, std::s
     return rays;
 }
 
-Stream numbers_of_fog() {
-    return Stream(Purpose::rays_of_fog, {});
+/// Of directions (0), and of what rays meet (1).
+Stream numbers_of_fog(std::uint64_t index) {
+    return Stream(Purpose::rays_of_fog, {.index = index});
 }
 
 /// Light of lamps alone.
 LitFog fog_lit_by_lamps(const AirInstant& instant, std::uint64_t& rays) {
-    LitFog lit = lattice_about(instant.posed_scene.animation());
+    LitFog lit = lattice_in(*instant.posed_scene.air()->fog());
     if (lit.empty()) return {};
     std::vector<LitFog::Corner>& corners = lit.corners();
-    const std::vector<RayQuery> looks = rays_from(lit, numbers_of_fog(), corners.size());
+    const std::vector<RayQuery> looks = rays_from(lit, numbers_of_fog(0), corners.size());
     const std::vector<LightPoint> points = points_beyond_rays(instant);
     const std::vector<LightPoint> lamps = air_lamps(points, instant.light_trees);
     parallel::for_ranges(corners.size(), 16, [&](std::size_t first, std::size_t last) {
@@ -85,10 +80,10 @@ LitFog fog_lit_by_all(const AirInstant& instant, const LitFog& by_lamps, std::ui
     if (lit.empty()) return lit;
     const Air& air = *instant.posed_scene.air();
     const FogMedium& fog = *air.fog();
-    const bool bounces = fog.is_lit_by_bounces();
+    const bool bounces = fog.is_lit_by_bounces() && instant.bounces;
     const std::size_t count = lit.corners().size();
-    const std::vector<RayQuery> looks = rays_from(lit, numbers_of_fog(), count);
-    const std::vector<FinalGather::Seen> seen = seen_at_ends(instant, looks, numbers_of_fog(), bounces);
+    const std::vector<RayQuery> looks = rays_from(lit, numbers_of_fog(0), count);
+    const std::vector<FinalGather::Seen> seen = seen_at_ends(instant, looks, numbers_of_fog(1), bounces);
     constexpr float part = 1.0f / static_cast<float>(corner_directions);
     std::vector<glm::vec3> own(count, glm::vec3(0)), places;
     std::vector<float> known(count);
@@ -102,7 +97,11 @@ LitFog fog_lit_by_all(const AirInstant& instant, const LitFog& by_lamps, std::ui
                 const RayQuery& ray = looks[k];
                 light += part * air.left_of_light(ray.origin, ray.direction, seen[k].distance) * seen[k].light;
                 if (!bounces) continue;
+                light += part * air.light_of_volumes(ray.origin, ray.direction, seen[k].distance, VolumeView::rough);
                 lit.along(fog, ray.origin, ray.direction, seen[k].distance, [&](glm::vec3 place, float share) {
+                    if (!air.volumes().empty())
+                        share *= core::luminance(glm::exp(
+                            -air.depth_of_volumes(ray.origin, ray.direction, glm::distance(ray.origin, place))));
                     light += part * share * fog.albedo() * by_lamps.light_at(place);
                     lit.about(place, [&](std::size_t corner, float weight) { shares.add(corner, share * weight); });
                 });

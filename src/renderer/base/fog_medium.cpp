@@ -38,6 +38,12 @@ float way_in_box(glm::vec3 from, glm::vec3 direction, glm::vec3 low, glm::vec3 h
 }  // namespace
 
 FogMedium::FogMedium(const core::Fog& fog, glm::vec3 low, glm::vec3 high) : fog_(fog), low_(low), high_(high) {
+    const glm::vec3 sides = high - low;
+    const glm::vec3 more = glm::max(std::max({sides.x, sides.y, sides.z}) / 16.0f - sides, glm::vec3(0)) * 0.5f;
+    if (core::is_finite(more)) {
+        low_ -= more;
+        high_ += more;
+    }
     // Contrast falls with the transmittance [Koschmieder1924], to 5 % = e^-3.
     extinction_ = 3.0f / std::max(fog.visibility, core::least_visibility);
 }

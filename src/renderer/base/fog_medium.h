@@ -15,7 +15,7 @@ float phase(float g, float cosine);
 class FogMedium {
   public:
     /// `fog` shows; [low, high]: a box about the scene, at whose border light from infinitely far begins to be dimmed
-    /// where the fog is homogeneous.
+    /// where the fog is homogeneous. It is made no thinner than 1/16 of its longest side.
     FogMedium(const core::Fog& fog, glm::vec3 low, glm::vec3 high);
 
     /// Share of light that is lost by unit of way, per scene unit.
@@ -27,6 +27,8 @@ class FogMedium {
     /// How far a way goes whose optical depth is `depth`; infinite where none is so long.
     float distance_at(glm::vec3 from, glm::vec3 direction, float depth) const;
 
+    glm::vec3 low() const { return low_; }
+    glm::vec3 high() const { return high_; }
     float anisotropy() const { return fog_.anisotropy; }
     /// Share of what is dimmed that is scattered.
     glm::vec3 albedo() const { return fog_.color; }

@@ -32,7 +32,7 @@ glm::vec3 LitFog::rest_at(glm::vec3 place) const {
     return light;
 }
 
-/// Leaves of [begin, end] what lies in the box; false: nothing.
+/// Leaves of [begin, end] what lies in the box, if only its border; false: nothing.
 bool LitFog::clip(glm::vec3 from, glm::vec3 direction, float& begin, float& end) const {
     const glm::vec3 high = low_ + size_ * glm::vec3(cells_);
     for (int k = 0; k < 3; ++k) {
@@ -44,7 +44,7 @@ bool LitFog::clip(glm::vec3 from, glm::vec3 direction, float& begin, float& end)
         begin = std::max(begin, std::min(a, b));
         end = std::min(end, std::max(a, b));
     }
-    return end > begin;
+    return end >= begin;
 }
 
 }  // namespace render2mpeg::renderer

@@ -35,12 +35,13 @@ class LitFog {
     glm::vec3 place_of(std::size_t corner) const;
     static std::size_t octant(glm::vec3 direction);
 
-    /// Calls visit(corner, weight) for those about a place in the box; their weights sum up to 1 or are none.
+    /// Calls visit(corner, weight) for those about a place in the box; their weights sum up to 1.
     template <class Visit>
     void about(glm::vec3 place, Visit visit) const;
 
     /// Calls visit(place, share) along a ray within the box and before `distance`: `share` of light at its origin is
-    /// what fog there takes of it. All shares sum up to what fog takes there.
+    /// what fog there takes of it. All shares sum up to what fog takes there, and
+    /// on the way to the sky beyond it.
     template <class Visit>
     void along(const FogMedium& fog, glm::vec3 from, glm::vec3 direction, float distance, Visit visit) const;
 
@@ -49,6 +50,11 @@ class LitFog {
 
   private:
     glm::ivec3 across() const { return cells_ + 1; }
+    /// How much a corner counts that far off: all where it sees so far, next to nothing where others do.
+    static float sight(float distance, float clear) {
+        if (distance <= 0.75f * clear) return 1.0f;
+        return distance < 1.25f * clear ? std::max(2.5f - 2.0f * distance / clear, 1e-3f) : 1e-3f;
+    }
     bool clip(glm::vec3 from, glm::vec3 direction, float& begin, float& end) const;
 
     glm::vec3 low_{0};
@@ -71,8 +77,7 @@ void LitFog::about(glm::vec3 place, Visit visit) const {
         const auto k = static_cast<std::size_t>(c);
         numbers[k] = static_cast<std::size_t>((at_corner.z * across().y + at_corner.y) * across().x + at_corner.x);
         const glm::vec3 off = size_ * (t - glm::vec3(turn)), w = glm::mix(1.0f - t, t, glm::vec3(turn));
-        const float clear = corners_[numbers[k]].clear[octant(off)];
-        weights[k] = glm::dot(off, off) <= clear * clear ? w.x * w.y * w.z : 0.0f;
+        weights[k] = w.x * w.y * w.z * sight(glm::length(off), corners_[numbers[k]].clear[octant(off)]);
         sum += weights[k];
     }
     for (std::size_t k = 0; k < 8; ++k)
@@ -90,10 +95,16 @@ void LitFog::along(const FogMedium& fog, glm::vec3 from, glm::vec3 direction, fl
     float left = std::exp(-fog.optical_depth(from, direction, begin));
     for (int k = 0; k < steps && left > 1e-4f; ++k) {
         const float to = begin + static_cast<float>(k + 1) * step;
-        const float then = std::exp(-fog.optical_depth(from, direction, to));
-        visit(from + (to - 0.5f * step) * direction, left - then);
+        const float then = std::min(std::exp(-fog.optical_depth(from, direction, to)), left);
+        float middle = to - 0.5f * step;
+        if (left - then > 0.1f * left)
+            middle = std::clamp(fog.distance_at(from, direction, -std::log(0.5f * (left + then))), to - step, to);
+        if (left > then) visit(from + middle * direction, left - then);
         left = then;
     }
+    // Above the box layered fog is lit as at its border.
+    const float beyond = std::isinf(distance) ? left - std::exp(-fog.depth_to_sky(from, direction)) : 0.0f;
+    if (beyond > 1e-4f) visit(from + end * direction, beyond);
 }
 
 }  // namespace render2mpeg::renderer

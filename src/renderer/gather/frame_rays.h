@@ -1,5 +1,6 @@
 #pragma once
 // Gathers by rays for all points of a frame, and for single pixels of it.
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -10,6 +11,12 @@
 #include "scene/model/camera.h"
 
 namespace render2mpeg::renderer {
+
+/// Rays that see light which light trees lack: all light `by_rays`, else that of narrow lobes, if any are seen.
+inline std::optional<RaysOf> missing_light(bool by_rays, bool narrow_lobes) {
+    if (by_rays) return RaysOf::all;
+    return narrow_lobes ? std::optional(RaysOf::lobes) : std::nullopt;
+}
 
 /// Whether a surface reflects any light of such rays.
 bool wants_rays(const Bsdf& bsdf, RaysOf which);

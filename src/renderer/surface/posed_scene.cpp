@@ -221,6 +221,10 @@ void PosedScene::light_volumes(std::vector<VolumeLight> lights) {
     EXPECTS(impl_->air && (lights.empty() || lights.size() == impl_->air->volumes().size()));
     impl_->air->light(std::move(lights));
 }
+void PosedScene::darken_air() {
+    light_volumes({});
+    light_fog({});
+}
 void PosedScene::light_fog(LitFog light) {
     EXPECTS(impl_->air);
     impl_->air->light(std::move(light));

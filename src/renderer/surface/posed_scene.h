@@ -102,6 +102,7 @@ class PosedScene {
     void light_volumes(std::vector<VolumeLight> lights);
     /// Light within its fog; kept until the next.
     void light_fog(LitFog light);
+    void darken_air();
 
     /// Background where there is no surface, and its light; null where the plan wants neither.
     const image::SkyMap* sky() const;

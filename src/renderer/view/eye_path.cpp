@@ -292,7 +292,8 @@ glm::vec3 EyePaths::show(PathState& path, Fragment& fragment, const SurfaceFootp
     fragment.weight = alpha * path.weight;
     fragment.extent = std::min(glm::length(footprint.dx), glm::length(footprint.dy));
     fragment.path = path.path;
-    fragment.turn = point.bsdf.has_narrow_lobe() ? normal_change(point, footprint, path.ray.time) : SurfaceFootprint{};
+    fragment.turn = point.bsdf.has_narrow_lobe() ? posed_scene_.normal_change(point.address, footprint, path.ray.time)
+                                                 : SurfaceFootprint{};
     if (is_hole(path, point)) {
         cover(path, point, core::luminance(fragment.weight), sample);
         if (path.straight() && core::luminance(fragment.weight) > sample.main.share)

@@ -13,7 +13,7 @@ namespace {
 /// Lobes keep their width where its square grows by less. chosen: a twentieth, of which roughness grows by 1 %.
 constexpr float least_growth = 0.05f;
 
-/// Lobes are round where their widths differ by less, as all others of records are. chosen: twice.
+/// Round lobes stay round where their widths differ by less: those have records. chosen: twice.
 constexpr float round_enough = 2.0f;
 
 /// Normals that differ by more belong to other points (same_normal).
@@ -55,7 +55,7 @@ void NormalSpread::add(glm::vec3 normal, const SurfaceFootprint& turn, float wei
 }
 
 void NormalSpread::fold_into(SurfacePoint& point) const {
-    if (!(weight_ > 0.0f)) return;
+    if (!(weight_ > 0.0f) || (sum_ == glm::vec3(0) && squares_ == glm::mat3(0))) return;
     const glm::vec3 mean = sum_ / weight_, normal = core::normalize_or(first_ + mean, point.shading_normal);
     if (!(glm::dot(normal, point.geometric_normal) > 0.0f && glm::dot(normal, point.outgoing) > 0.0f)) return;
     point.shading_normal = normal;
@@ -76,7 +76,7 @@ void NormalSpread::fold_into(SurfacePoint& point) const {
     // It stays one that rays look along.
     const float widest = bsdf.has_narrow_lobe() ? 0.999f * narrow_alpha : 1.0f;
     const glm::vec2 alphas = glm::min(glm::sqrt(widths.values()), glm::vec2(1, widest));
-    if (alphas.x > round_enough * alphas.y) {
+    if (bsdf.is_stretched() || alphas.x > round_enough * alphas.y) {
         const glm::vec2 axis = widths.axis();
         bsdf.along = axis.x * x + axis.y * y;
         bsdf.alpha_along = alphas.x;

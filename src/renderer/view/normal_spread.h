@@ -16,7 +16,7 @@ class NormalSpread {
     void add(glm::vec3 normal, const SurfaceFootprint& turn, float weight);
 
     /// Gives the point the mean normal, where that faces as its own does, and widens its lobe: across and along where
-    /// normals vary more one way, else round; what it reflects under even light stays. Leaves wide lobes alone.
+    /// normals vary more one way, else round; what it reflects under even light stays. Widths of wide lobes stay.
     void fold_into(SurfacePoint& point) const;
 
   private:
