@@ -28,7 +28,8 @@ constexpr float least_of_cell = 0.62f * 0.57735f;
 LitFog lattice_in(const FogMedium& fog) {
     const glm::vec3 low = fog.low(), sides = fog.high() - low;
     if (!(std::min({sides.x, sides.y, sides.z}) > 0.0f) || !core::is_finite(sides)) return {};
-    float size = std::cbrt(sides.x * sides.y * sides.z / most_corners);
+    // Roots first: products of extreme sides are 0 or infinite.
+    float size = std::cbrt(sides.x) * std::cbrt(sides.y) * std::cbrt(sides.z) / std::cbrt(float{most_corners});
     const auto cells = [&] { return glm::max(glm::ivec3(glm::ceil(sides / size)), glm::ivec3(1)); };
     const auto corners = [&] { return (cells().x + 1) * (cells().y + 1) * (cells().z + 1); };
     while (corners() > most_corners) size *= 1.05f;
