@@ -66,6 +66,7 @@ std::vector<HardCase> material_cases();
 std::vector<HardCase> motion_cases();
 std::vector<HardCase> view_cases();
 std::vector<HardCase> exposure_cases();
+std::vector<HardCase> air_cases();
 
 /// Frames 0 to count - 1, one per second, of `scene` as `hard_case` wants it.
 Lit lit(const HardCase& hard_case, const SceneBuilder& scene, Way way);

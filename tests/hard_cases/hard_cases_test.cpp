@@ -30,7 +30,8 @@ const std::vector<Chapter>& chapters() {
                                              {"Materials", material_cases()},
                                              {"Motion and time", motion_cases()},
                                              {"Cameras and pictures", view_cases()},
-                                             {"Shutter and lens", exposure_cases()}};
+                                             {"Shutter and lens", exposure_cases()},
+                                             {"Air", air_cases()}};
     return all;
 }
 

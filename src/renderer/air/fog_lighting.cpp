@@ -48,18 +48,14 @@ Stream numbers_of_fog(std::uint64_t index) {
     return Stream(Purpose::rays_of_fog, {.index = index});
 }
 
-/// Light of lamps alone.
-LitFog fog_lit_by_lamps(const AirInstant& instant, std::uint64_t& rays) {
-    LitFog lit = lattice_in(*instant.posed_scene.air()->fog());
-    if (lit.empty()) return {};
+/// Light of lamps alone, and how far corners see along their rays.
+void light_by_lamps(const AirInstant& instant, std::span<const RayQuery> looks, std::span<const LightPoint> lamps,
+                    LitFog& lit) {
     std::vector<LitFog::Corner>& corners = lit.corners();
-    const std::vector<RayQuery> looks = rays_from(lit, numbers_of_fog(0), corners.size());
-    const std::vector<LightPoint> points = points_beyond_rays(instant);
-    const std::vector<LightPoint> lamps = air_lamps(points, instant.light_trees);
     parallel::for_ranges(corners.size(), 16, [&](std::size_t first, std::size_t last) {
         std::vector<Hit> hits(corner_directions);
         for (std::size_t i = first; i < last; ++i) {
-            const std::span<const RayQuery> own = std::span(looks).subspan(i * corner_directions, corner_directions);
+            const std::span<const RayQuery> own = looks.subspan(i * corner_directions, corner_directions);
             instant.posed_scene.tracer().any_nearest(own, hits, false);
             std::array<float, 8> sum{}, count{};
             for (std::size_t k = 0; k < own.size(); ++k) {
@@ -71,19 +67,15 @@ LitFog fog_lit_by_lamps(const AirInstant& instant, std::uint64_t& rays) {
             corners[i].lamps = mean_of_lamps(instant, lamps, lit.place_of(i), least_of_cell * lit.size());
         }
     });
-    rays += looks.size() + corners.size() * lamps.size();
-    return lit;
 }
 
-/// The same with all other light.
-LitFog fog_lit_by_all(const AirInstant& instant, const LitFog& by_lamps, std::uint64_t& rays) {
-    LitFog lit = by_lamps;
-    if (lit.empty()) return lit;
+/// All other light, beside that of lamps. Returns the shadow rays.
+std::uint64_t light_by_rest(const AirInstant& instant, std::span<const RayQuery> looks,
+                            std::span<const LightPoint> points, LitFog& lit) {
     const Air& air = *instant.posed_scene.air();
     const FogMedium& fog = *air.fog();
     const bool bounces = fog.is_lit_by_bounces() && instant.bounces;
     const std::size_t count = lit.corners().size();
-    const std::vector<RayQuery> looks = rays_from(lit, numbers_of_fog(0), count);
     const std::vector<FinalGather::Seen> seen = seen_at_ends(instant, looks, numbers_of_fog(1), bounces);
     constexpr float part = 1.0f / static_cast<float>(corner_directions);
     std::vector<glm::vec3> own(count, glm::vec3(0)), places;
@@ -103,29 +95,35 @@ LitFog fog_lit_by_all(const AirInstant& instant, const LitFog& by_lamps, std::ui
                     if (!air.volumes().empty())
                         share *= core::luminance(glm::exp(
                             -air.depth_of_volumes(ray.origin, ray.direction, glm::distance(ray.origin, place))));
-                    light += part * share * fog.albedo() * by_lamps.light_at(place);
+                    light += part * share * fog.albedo() * lit.light_at(place);
                     lit.about(place, [&](std::size_t corner, float weight) { shares.add(corner, share * weight); });
                 });
             }
             shares.move_to(system.row(i), part);
             own[i] = core::is_finite(light) ? light : glm::vec3(0);
-            known[i] = core::luminance(own[i] + by_lamps.light_at(places[i]));
+            known[i] = core::luminance(own[i] + lit.light_at(places[i]));
         }
     });
-    rays += looks.size();
-    const SmoothAirLight smooth(instant.light_trees, points_beyond_rays(instant), bounces);
-    rays += smooth.add(instant.posed_scene.tracer(), places, known, own);
+    const SmoothAirLight smooth(instant.light_trees, points, bounces);
+    const std::uint64_t rays = smooth.add(instant.posed_scene.tracer(), places, known, own);
     const std::vector<glm::vec3> all = system.solve(own, std::vector<glm::vec3>(count, fog.albedo()));
     for (std::size_t i = 0; i < count; ++i) lit.corners()[i].rest = all[i];
-    return lit;
+    return rays;
 }
 
 }  // namespace
 
 void light_fog(const AirInstant& instant, PosedScene& posed_scene, std::uint64_t& rays) {
-    const LitFog by_lamps = fog_lit_by_lamps(instant, rays);
-    posed_scene.light_fog(by_lamps);
-    posed_scene.light_fog(fog_lit_by_all(instant, by_lamps, rays));
+    LitFog lit = lattice_in(*posed_scene.air()->fog());
+    if (lit.empty()) return;
+    const std::size_t corners = lit.corners().size();
+    const std::vector<RayQuery> looks = rays_from(lit, numbers_of_fog(0), corners);
+    const std::vector<LightPoint> points = points_beyond_rays(instant);
+    const std::vector<LightPoint> lamps = air_lamps(points, instant.light_trees);
+    light_by_lamps(instant, looks, lamps, lit);
+    posed_scene.light_fog(lit);
+    rays += 2 * looks.size() + corners * lamps.size() + light_by_rest(instant, looks, points, lit);
+    posed_scene.light_fog(std::move(lit));
 }
 
 }  // namespace render2mpeg::renderer

@@ -13,10 +13,9 @@
 namespace render2mpeg::renderer {
 namespace {
 
-/// How well corners are lit: clusters at most, and what of all their light they may be off by. chosen: 512 and 10 %;
-/// errors of neighbours are averaged along rays, and what air adds to a pixel is a part of its light. Against 4,096 and
-/// 1 % the light of the air errs by 0.3 and 1.0 % (root mean square) in colonnade and many_lamps in fog; with 64
-/// clusters by 10 and 8 %, and was 3 to 4 % too dark, more so the more light points there were.
+/// How well places are lit: clusters at most, and what of all their light they may be off by. chosen: 512 and 10 %;
+/// errors of neighbours are averaged along rays, and what air adds to a pixel is a part of its light. With 64 clusters
+/// fog was 3 to 4 % too dark.
 constexpr int most_clusters = 512;
 constexpr float relative_tolerance = 0.1f;
 

@@ -18,8 +18,8 @@ class LitFog {
   public:
     struct Corner {
         glm::vec3 lamps{0}, rest{0};  ///< lamps' light that nothing has scattered, and all other
-        std::array<float, 8>
-            clear{};  ///< how far its rays go on the average, by octant: bit k is set where axis k rises
+        /// How far its rays go on the average, by octant: bit k is set where axis k rises.
+        std::array<float, 8> clear{};
     };
 
     LitFog() = default;
@@ -40,8 +40,7 @@ class LitFog {
     void about(glm::vec3 place, Visit visit) const;
 
     /// Calls visit(place, share) along a ray within the box and before `distance`: `share` of light at its origin is
-    /// what fog there takes of it. All shares sum up to what fog takes there, and
-    /// on the way to the sky beyond it.
+    /// what fog there takes of it. All shares sum up to what fog takes there, and on the way to the sky beyond it.
     template <class Visit>
     void along(const FogMedium& fog, glm::vec3 from, glm::vec3 direction, float distance, Visit visit) const;
 

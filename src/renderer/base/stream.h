@@ -15,7 +15,7 @@ enum class Purpose : std::uint64_t {
     guided_rays = 7,
     strands,
     hemisphere_rays,
-    rays_of_air,
+    rays_of_fog,
     rays_of_view,
     places_of_cells,
     paths_of_cells,
@@ -26,7 +26,6 @@ enum class Purpose : std::uint64_t {
     true_paths,
     rays_of_volumes,
     shared_points,
-    rays_of_fog,
 };
 
 /// Whose numbers a stream has. What is alike for all pixels, or in all frames, names none.

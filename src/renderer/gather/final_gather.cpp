@@ -222,7 +222,6 @@ void FinalGather::trace(const GatherRequest& request, const Bundle& bundle, Trac
     const Directions drawn = directions(request, bundle);
     RayRules even, along_lobe;
     even.near = request.extent;
-    even.bounces = request.bounces;
     even.bodies_block = bodies_block_;
     along_lobe = even;
     along_lobe.is_lobe = true;

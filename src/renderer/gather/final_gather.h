@@ -39,7 +39,6 @@ struct GatherRequest {
     RaysOf which = RaysOf::all;
     std::uint32_t pool = 0;  ///< requests of one pool lie next to each other, on about one surface
     std::uint32_t rays = 0;  ///< so many, a multiple of 8; 0: by the tolerance
-    bool bounces = true;     ///< false: the sky alone
     std::uint32_t from = 0;  ///< number of the first: it has so many already
 };
 
