@@ -137,14 +137,13 @@ class Bakes:
                 self.lost.add_of(material, "differs between objects of one mesh; all have the first one's", node)
 
     def size_of(self, shape, things, cameras):
-        """A power of two with at least a texel for each pixel, within bounds."""
-        largest = self.baker.size
+        """A power of two with at least a texel for each pixel; the baker may make fewer."""
         if not cameras.shown:
-            return largest
+            return self.baker.size
         # Of many instances a hundred tell how near they come.
         places = [(k, m) for t in things[::max(1, len(things) // 100)] for k, m in enumerate(t.matrices) if m is not None]
         across = pixels_across(shape, places, list(cameras.poses.values()), self.lines)
-        return min(max(1 << max(math.ceil(math.log2(max(across, 1.0))), 0), SMALLEST), largest)
+        return max(1 << max(math.ceil(math.log2(max(across, 1.0))), 0), SMALLEST)
 
     def bake_shape(self, over, thing, size):
         """On what a modifier, a curve, a text or a metaball came to, as it is at first."""

@@ -8,6 +8,16 @@ from . import angles
 from .nodes import incoming, output_of
 from .shapes import BAKE_UV, array_of
 
+# Side of the bake that tells whether a larger one is worth it, and texels that it must have.
+PROBE, LEAST_PROBED = 64, 256
+# Samples of a texel that is larger than a pixel, since no texture may have more.
+SAMPLES_OF_LARGE = 4
+
+
+def are_level(normals):
+    """Whether all normals of a bake are the surface's own, by codes of 8 bits, or none is seen."""
+    return float(np.max(np.abs(normals[..., :3] - (0.5, 0.5, 1.0)))) < 0.5 / 255 or float(normals[..., 3].max()) == 0
+
 
 class Baker:
     def __init__(self, size):
@@ -17,7 +27,7 @@ class Baker:
     def prepare(self):
         scene = self.scene = bpy.data.scenes.new("render2mpeg bake")
         scene.render.engine = "CYCLES"
-        scene.cycles.samples, scene.cycles.use_adaptive_sampling, scene.cycles.use_denoising = 4, False, False
+        scene.cycles.use_adaptive_sampling, scene.cycles.use_denoising = False, False
         scene.cycles.max_bounces = 0
         scene.cycles.device, scene.cycles.shading_system = "CPU", False
         scene.render.bake.margin = 8
@@ -79,11 +89,27 @@ class Baker:
 
     def bake(self, copy, slot, material, kind, size, alike=0.5 / 255):
         """EMIT or NORMAL of one of its materials: rows from the bottom up, linear, four channels. Where no face is, it is the
-        mean of the rest; one texel where they all are alike (by default within half of a code of 8 bits), or none has a face."""
+        mean of the rest; one texel where they all are alike (by default within half of a code of 8 bits), or none has a face.
+        Texels of a film's pixel are averaged there; where none is as small, a texel is the mean of some places."""
+        samples, size = SAMPLES_OF_LARGE if size > self.size else 1, min(size, self.size)
+        for side in (PROBE, size) if size > 2 * PROBE else (size,):
+            pixels = self.texels(copy, slot, material, kind, side, samples)
+            covered = pixels[..., 3] > 0
+            if covered.any():
+                pixels[~covered] = pixels[covered].mean(axis=0, dtype=float)
+            # What is no number is not even.
+            even = np.max(np.ptp(pixels[..., :3].reshape(-1, 3), axis=0)) < alike or (kind == "NORMAL" and are_level(pixels))
+            if even and (side == size or np.count_nonzero(covered) >= LEAST_PROBED):
+                return pixels.mean(axis=(0, 1), keepdims=True)
+        return pixels
+
+    def texels(self, copy, slot, material, kind, size, samples):
+        """As they are baked; alpha tells where a face is."""
+        self.scene.cycles.samples = samples
         tree = material.node_tree
         copy.data.uv_layers.active = copy.data.uv_layers[BAKE_UV]
         image = bpy.data.images.new("render2mpeg bake", size, size, alpha=True, float_buffer=True)
-        image.generated_color = 0, 0, 0, 0  # alpha will tell where a face is
+        image.generated_color = 0, 0, 0, 0
         image.colorspace_settings.name = "Non-Color"
         node = tree.nodes.new("ShaderNodeTexImage")
         node.image = image
@@ -100,13 +126,7 @@ class Baker:
         image.pixels.foreach_get(pixels)
         tree.nodes.remove(node)
         bpy.data.images.remove(image)
-        pixels = pixels.reshape(size, size, 4)
-        covered = pixels[..., 3] > 0
-        if covered.any():
-            pixels[~covered] = pixels[covered].mean(axis=0, dtype=float)
-        # What is no number is not even.
-        even = np.max(np.ptp(pixels[..., :3].reshape(-1, 3), axis=0)) < alike
-        return pixels.mean(axis=(0, 1), keepdims=True) if even else pixels
+        return pixels.reshape(size, size, 4)
 
     def value(self, copy, slot, material, socket, size, **more):
         """What a socket has all over the mesh, shown as light of that colour."""

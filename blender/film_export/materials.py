@@ -7,6 +7,7 @@ import bpy
 import numpy as np
 
 from . import angles, png
+from .baking import are_level
 from .hair import Strands
 from .looks import CHANNELS, Angled, Baked, Constant, Picture, free_path, look_of, without_bakes
 from .nodes import inline_groups, number_of
@@ -225,7 +226,7 @@ class Materials:
         if isinstance(look.normal, tuple):
             picture, strength = look.normal
             says["normalTexture"] = {**self.use(self.picture(picture), layers), "scale": strength}
-        elif "normal" in baked and not self.is_level(baked["normal"]):
+        elif "normal" in baked and not are_level(baked["normal"]):
             says["normalTexture"] = self.use(self.write(stem + "-normal", baked["normal"][..., :3]), layers)
         if extensions:
             says["extensions"] = extensions
@@ -407,10 +408,6 @@ class Materials:
 
     def is_flat(self, pixels):
         return float(np.max(np.ptp(pixels[..., :3].reshape(-1, 3), axis=0))) < 0.5 / 255 and float(pixels[..., 3].max()) > 0
-
-    def is_level(self, pixels):
-        """Whether all normals are the surface's own, or none is seen."""
-        return float(np.max(np.abs(pixels[..., :3] - (0.5, 0.5, 1.0)))) < 0.5 / 255 or float(pixels[..., 3].max()) == 0
 
     def constant(self, source, pixels):
         return number_of(source.value) if isinstance(source, Constant) else float(pixels[..., :3].mean())
