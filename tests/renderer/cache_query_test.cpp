@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -88,6 +89,30 @@ TEST_F(Wall, NobodyIsServedBeyondWhereRecordsLie) {
     map_.build(records_.all(), stage_.world().camera);
     EXPECT_TRUE(estimate_at(10, 12, 0.02f).has_value());
     for (int x = 14; x < wall_side; ++x) EXPECT_FALSE(estimate_at(x, 12, 0.02f).has_value()) << x;
+}
+
+TEST_F(Wall, FewRecordsHaveAMeanWhereTheyLieAllAround) {
+    const auto keep = [&](float step, const std::vector<glm::ivec2>& pixels) {
+        records_ = {};
+        strew(1, [&](glm::vec2 at) { return at.x < 12.0f ? 1.0f : 1.0f + step; });
+        RecordStore few;
+        for (const IrradianceRecord& r : records_.all())
+            if (std::ranges::count(pixels, glm::ivec2(stage_.world().camera.project(r.position)->position)) > 0)
+                few.insert(r);
+        ASSERT_EQ(few.size(), pixels.size());
+        records_ = few;
+        map_.build(records_.all(), stage_.world().camera);
+    };
+    const std::vector<glm::ivec2> around{{11, 11}, {13, 11}, {11, 13}, {13, 13}};
+    keep(0.0f, around);
+    const auto even = estimate_at(12, 12, 0.02f);
+    ASSERT_TRUE(even.has_value());
+    EXPECT_NEAR(even->indirect.x, 1.0f, 1e-4f);
+    EXPECT_FALSE(estimate_at(15, 12, 0.02f).has_value()) << "they lie to one side";
+    keep(0.3f, around);
+    EXPECT_FALSE(estimate_at(12, 12, 0.02f).has_value()) << "light has an edge there";
+    keep(0.0f, {{11, 11}, {13, 11}, {12, 13}});
+    EXPECT_FALSE(estimate_at(12, 12, 0.02f).has_value()) << "three tell no error";
 }
 
 TEST_F(Wall, CoarselyGatheredRecordsServeNoFinePixel) {

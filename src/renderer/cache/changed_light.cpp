@@ -55,6 +55,17 @@ bool pose(const PosedScene& scene, const scene::Camera& camera, IrradianceRecord
     return true;
 }
 
+/// Drops all records but those that are marked.
+void keep_only(FrameState& frame, std::vector<GatherPoint>& receivers, std::span<const std::uint8_t> keeps) {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < receivers.size(); ++i)
+        if (keeps[i] != 0 && kept++ != i) receivers[kept - 1] = std::move(receivers[i]);
+    receivers.resize(kept);
+    std::size_t i = 0;
+    frame.records.drop([&](const IrradianceRecord&) { return keeps[i++] == 0; });
+    frame.grid.build(frame.records.all(), frame.camera());
+}
+
 /// Drops all records but the one of the most rays of each surface in each pixel of the picture and its border.
 void thin(FrameState& frame, std::vector<GatherPoint>& receivers, std::span<const std::uint8_t> holds) {
     frame.grid.build(frame.records.all(), frame.camera());
@@ -74,13 +85,7 @@ void thin(FrameState& frame, std::vector<GatherPoint>& receivers, std::span<cons
                        glm::dot(other.shading_normal, m.shading_normal) >= same_normal;
             });
     });
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < receivers.size(); ++i)
-        if (keeps[i] != 0 && kept++ != i) receivers[kept - 1] = std::move(receivers[i]);
-    receivers.resize(kept);
-    std::size_t i = 0;
-    frame.records.drop([&](const IrradianceRecord&) { return keeps[i++] == 0; });
-    frame.grid.build(frame.records.all(), frame.camera());
+    keep_only(frame, receivers, keeps);
 }
 
 /// A record's light now, by its own before and its neighbours' pilots.
@@ -90,6 +95,7 @@ struct RecordUpdate {
     std::uint32_t rays = 0;
     bool is_pilot = true;     ///< that of its pilot alone
     bool needs_pilot = true;  ///< retracing its pilot takes fewer rays than it would lose
+    bool is_lost = false;     ///< neither its neighbours' pilots nor one of its own tell its light
 };
 
 RecordUpdate updated(const FrameState& frame, const SurfaceMark& mark, const GatherPoint& receiver,
@@ -97,6 +103,8 @@ RecordUpdate updated(const FrameState& frame, const SurfaceMark& mark, const Gat
     const IrradianceRecord& r = frame.records[mark.record];
     const float shown = receives(receiver), shown2 = shown * shown;
     RecordUpdate now{r.pilot.light, 0.5f * r.pilot.difference * r.pilot.difference, pilot_rays};
+    now.is_lost = !r.is_pilot_now;
+    now.needs_pilot = now.is_lost && r.baseline->ray_count > pilot_rays;
     const auto eye = frame.camera().has_eye() ? std::optional(frame.camera().eye_of(r.position)) : std::nullopt;
     fit.collect({receiver, {}, mark.at, extent_at(frame.camera(), r.position), shown, eye}, LocalRegression::Of::change,
                 frame.grid, frame.records, mark.record);
@@ -107,7 +115,7 @@ RecordUpdate updated(const FrameState& frame, const SurfaceMark& mark, const Gat
     const double factor = fit.factor(), variance = factor * factor * before.variance + error.square / shown2,
                  of_pilot = now.batch_variance * batch_share(pilot_rays);
     if (!(variance < of_pilot)) return now;
-    now.is_pilot = false;
+    now.is_pilot = now.is_lost = false;
     std::array<glm::dvec3, 3> light{};
     for (std::size_t k = 0; k < light.size(); ++k) light[k] = factor * glm::dvec3(before.light[k]);
     for (std::size_t i = 0; i < fit.size(); ++i) {
@@ -186,7 +194,10 @@ void update_by_control_variates(FrameState& frame) {
         r.batch_variance = now[i].batch_variance;
         r.ray_count = now[i].rays;
         if (now[i].is_pilot) r.baseline.reset();
+        holds[i] = now[i].is_lost ? 0 : 1;
     });
+    holds.resize(now.size());
+    keep_only(frame, receivers, holds);
     gather_trees_again(frame, receivers);
     frame.records.drop([](const IrradianceRecord& r) {
         return !core::is_finite(r.irradiance() + r.lobe.f0 + r.lobe.schlick + r.by_rays[1] + r.by_rays[2]);
