@@ -87,11 +87,13 @@ class Baker:
         return bpy.context.temp_override(window=bpy.context.window_manager.windows[0], scene=self.scene, view_layer=self.scene.view_layers[0],
                                          active_object=copy, object=copy, selected_objects=[copy], selected_editable_objects=[copy])
 
-    def bake(self, copy, slot, material, kind, size, alike=0.5 / 255):
+    def bake(self, copy, slot, material, kind, size, alike=0.5 / 255, most=None):
         """EMIT or NORMAL of one of its materials: rows from the bottom up, linear, four channels. Where no face is, it is the
         mean of the rest; one texel where they all are alike (by default within half of a code of 8 bits), or none has a face.
-        Texels of a film's pixel are averaged there; where none is as small, a texel is the mean of some places."""
-        samples, size = SAMPLES_OF_LARGE if size > self.size else 1, min(size, self.size)
+        Texels of a film's pixel are averaged there; where none is as small, since there are `most` to a side,
+        by default as many as textures may have, a texel is the mean of some places."""
+        most = most or self.size
+        samples, size = SAMPLES_OF_LARGE if size > most else 1, min(size, most)
         for side in (PROBE, size) if size > 2 * PROBE else (size,):
             pixels = self.texels(copy, slot, material, kind, side, samples)
             covered = pixels[..., 3] > 0

@@ -121,7 +121,7 @@ class Voxels:
         copy = self.baker.stage(mesh, Matrix(matrix.tolist()), bpy.data.objects.get(grid.over.object_name))
         copy.material_slots[0].link, copy.material_slots[0].material = "OBJECT", grid.material
         self.baker.scene.frame_set(math.floor(frame), subframe=frame - math.floor(frame))  # what is in the scene by now follows
-        pixels = self.baker.value(copy, 0, grid.material, grid.field, side, alike=0)
+        pixels = self.baker.value(copy, 0, grid.material, grid.field, side, alike=0, most=side)
         self.baker.unstage()
         bpy.data.meshes.remove(mesh)
         pixels = np.broadcast_to(pixels, (side, side, 4))[..., :3].mean(axis=2)
