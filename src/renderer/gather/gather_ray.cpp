@@ -15,9 +15,9 @@
 namespace render2mpeg::renderer {
 namespace {
 
-/// Layers and mirrors that a ray passes one after another, and the share of it below which it ends. chosen: 8, 0.02, as
-/// rays of the eye have; what is lost is a fiftieth of what is behind eight panes.
-constexpr int most_surfaces = 8;
+/// Layers and mirrors that a ray passes one after another, holes beside them, and the share of it below which it ends.
+/// chosen: 8, 88, 0.02, as rays of the eye have; what is lost is a fiftieth of what is behind eight panes.
+constexpr int most_surfaces = 8, most_holes = 88;
 constexpr float least_passing = 0.02f;
 
 /// A ray goes on beyond a surface with so many times the chance of what goes on there. chosen: 4, so that one ray in
@@ -248,7 +248,7 @@ glm::vec3 GatherRays::follow(RayQuery ray, Hit hit, const RayRules& rules, const
     bool mirrored = false, behind_body = false;
     const LayerLimit& limit = posed_scene_.tracer().limit();
     int covers = 0;
-    for (int step = 0; step < most_surfaces; ++step) {
+    for (int step = 0, holes = 0; step < most_surfaces + holes; ++step) {
         if (step > 0) {
             hit = posed_scene_.tracer().nearest(ray.origin, ray.direction, ray.far);
             ++rays;
@@ -268,7 +268,7 @@ glm::vec3 GatherRays::follow(RayQuery ray, Hit hit, const RayRules& rules, const
         const bool cut_out = cut_out_[material] && !shines && !is_black;
         const float ahead = cut_out ? posed_scene_.transmittance_at(hit.address, ray.direction).x : 0.0f;
         if (ahead == 1.0f) {
-            if (!(core::luminance(passing) > least_passing)) break;
+            if (!(core::luminance(passing) > least_passing) || ++holes > most_holes) break;
             ray.origin = posed_scene_.origin_behind(hit.address, ray.direction);
             continue;
         }

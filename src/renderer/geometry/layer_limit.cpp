@@ -2,8 +2,8 @@
 
 namespace render2mpeg::renderer {
 
-LayerLimit::LayerLimit(const scene::Animation& animation, int most_counted) {
-    if (!animation.layers || *animation.layers >= most_counted) return;
+LayerLimit::LayerLimit(const scene::Animation& animation) {
+    if (!animation.layers) return;
     most_ = *animation.layers;
     limited_.reserve(animation.objects.size());
     for (const scene::Object& object : animation.objects) {

@@ -13,8 +13,8 @@ class LayerLimit {
   public:
     /// Without a limit.
     LayerLimit() = default;
-    /// Of an animation; none where it allows as many as rays count at all.
-    explicit LayerLimit(const scene::Animation& animation, int most_counted);
+    /// Of an animation, which may have none.
+    explicit LayerLimit(const scene::Animation& animation);
 
     /// Whether an object's surface is one of them.
     bool counts(std::uint32_t object) const { return most_ >= 0 && limited_[object]; }

@@ -1,9 +1,12 @@
 #include "renderer/geometry/ray_tracer.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <utility>
+#include <vector>
 
 #include "core/error.h"
 #include "renderer/base/flush_denormals.h"
@@ -112,27 +115,42 @@ struct RayTracer::Impl {
         Bodies bodies;
         const float* direction[3];    ///< of the rays, in world space: x, y, z
         std::uint32_t met;            ///< bit i: ray i met a layer
-        int layers[16];               ///< so far
-        int covers[16];               ///< of them those that the animation limits
+        int known[16];                ///< layers so far
+        int layers[16];               ///< of them those that take light
+        int covers[16];               ///< of them those that the animation limits, holes included
         Layer layer[16][max_layers];  ///< the first of them
-        std::int64_t depth[16][3];    ///< optical depth so far, per channel
+        std::unique_ptr<std::array<std::vector<Layer>, 16>> further;  ///< the others; null: there are none
+        std::int64_t depth[16][3];                                    ///< optical depth so far, per channel
 
         glm::vec3 direction_of(unsigned ray) const { return {direction[0][ray], direction[1][ray], direction[2][ray]}; }
+
+        bool is_known(unsigned ray, const Layer& met) const {
+            const auto same = [&](const Layer& other) {
+                return other.object == met.object && std::abs(other.distance - met.distance) <= coplanar * met.distance;
+            };
+            const Layer* first = layer[ray];
+            if (std::any_of(first, first + std::min(known[ray], max_layers), same)) return true;
+            return further && std::any_of((*further)[ray].begin(), (*further)[ray].end(), same);
+        }
+
+        void note(unsigned ray, const Layer& met) {
+            if (known[ray] < max_layers) {
+                layer[ray][known[ray]] = met;
+            } else {
+                if (!further) further = std::make_unique<std::array<std::vector<Layer>, 16>>();
+                (*further)[ray].push_back(met);
+            }
+            ++known[ray];
+        }
 
         /// Counts a layer, unless it takes nothing (foliage has many holes) and is not limited, or is known: a ray
         /// through an edge meets both its triangles, and Embree asks several times for one hit where the rays of a
         /// coherent packet lie in several octants.
-        bool is_new_layer(unsigned ray, std::uint32_t object, float distance, glm::vec3 passing) {
-            const bool limited = self->limit.counts(object);
-            if (passing == glm::vec3{1.0f} && !limited) return false;
-            const Layer* known = layer[ray];
-            const Layer* end = known + std::min(layers[ray], max_layers);
-            const auto same = [&](const Layer& other) {
-                return other.object == object && std::abs(other.distance - distance) <= coplanar * distance;
-            };
-            if (std::any_of(known, end, same)) return false;
-            if (layers[ray] < max_layers) layer[ray][layers[ray]] = {object, distance};
-            ++layers[ray];
+        bool is_new_layer(unsigned ray, const Layer& met, glm::vec3 passing) {
+            const bool takes = passing != glm::vec3{1.0f}, limited = self->limit.counts(met.object);
+            if ((!takes && !limited) || is_known(ray, met)) return false;
+            note(ray, met);
+            layers[ray] += takes ? 1 : 0;
             covers[ray] += limited ? 1 : 0;
             return true;
         }
@@ -149,6 +167,7 @@ struct RayTracer::Impl {
         context.direction[0] = x;
         context.direction[1] = y;
         context.direction[2] = z;
+        std::fill_n(context.known, 16, 0);
         std::fill_n(context.layers, 16, 0);
         std::fill_n(context.covers, 16, 0);
         std::fill_n(&context.depth[0][0], 48, std::int64_t{0});
@@ -180,7 +199,7 @@ void RayTracer::Impl::filter_shadow(const RTCFilterFunctionNArguments* arguments
                                         RTCHitN_primID(hit, n, i), RTCHitN_u(hit, n, i), RTCHitN_v(hit, n, i));
         const glm::vec3 passing = context.self->transmittance(address, context.direction_of(ray), context.bodies);
         if (!(passing.x > 0 || passing.y > 0 || passing.z > 0)) continue;
-        if (!context.is_new_layer(ray, address.object, RTCRayN_tfar(arguments->ray, n, i), passing)) {
+        if (!context.is_new_layer(ray, {address.object, RTCRayN_tfar(arguments->ray, n, i)}, passing)) {
             arguments->valid[i] = 0;
             continue;
         }
@@ -225,7 +244,7 @@ RayTracer::RayTracer(const scene::Animation& animation, core::Isa isa, std::vect
     : impl_(new Impl{EmbreeScene(animation, isa, std::move(translucent), &Impl::filter_shadow),
                      std::move(transmittance),
                      {},
-                     LayerLimit(animation, max_layers)}) {}
+                     LayerLimit(animation)}) {}
 
 RayTracer::RayTracer(const RayTracer& posed, Transmittance transmittance)
     : impl_(new Impl{EmbreeScene(posed.impl_->scene), std::move(transmittance), {}, posed.impl_->limit}) {}

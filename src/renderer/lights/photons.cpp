@@ -126,6 +126,8 @@ int follow(const PosedScene& posed_scene, const PhotonSource& source, std::uint6
     Photon photon = source.emit({number(0), number(1), number(2)});
     int rays = 0;
     int left = settings.bounces;
+    const LayerLimit& limit = posed_scene.tracer().limit();
+    int covers = 0;
     for (int event = 0; event < most_events && (settings.bounces == 0 || left > 0); ++event) {
         if (!(core::luminance(photon.flux) > 0.0f)) break;
         ++rays;
@@ -136,12 +138,14 @@ int follow(const PosedScene& posed_scene, const PhotonSource& source, std::uint6
         if (photon.range > 0.0f)  // [KHR_lights_punctual]
             photon.flux *= std::clamp(1.0f - std::pow(hit.distance / photon.range, 4.0f), 0.0f, 1.0f);
         photon.range = 0.0f;
+        if (limit.ends(covers)) break;
         const SurfacePoint p = photon.surface_at(posed_scene, hit);
         const int dimension = first_event_dimension + 3 * event;
         const Chances chances(p, photon.flux);
         const std::size_t found = chosen(chances.of, number(dimension));
         const auto next = static_cast<Scattering>(found);
         if (p.unlit && next != Scattering::layer) break;
+        covers = next != Scattering::layer ? 0 : covers + (limit.counts(hit.address.object) ? 1 : 0);
         if (next != Scattering::layer) {
             const std::uint64_t key = 2 * (path * most_events + static_cast<std::uint64_t>(event));
             if (p.bsdf.has_diffuse() || p.bsdf.has_glossy()) {
