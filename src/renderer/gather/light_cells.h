@@ -2,10 +2,11 @@
 // Cells of the surface cache, found by their keys.
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <memory>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -39,8 +40,7 @@ class CellTable {
         bool is_within = true;
         for (const Slot& slot : slots)
             if (slot.found.index != none) ++taken, is_within = is_within && slot.found.index < used;
-        if (!std::has_single_bit(std::max<std::size_t>(slots.size(), 1)) || taken != used || 2 * used > slots.size() ||
-            !is_within)
+        if (taken != used || used > most_used(slots.size()) || !is_within)
             throw core::Error("a table of cells is damaged");
     }
 
@@ -49,10 +49,12 @@ class CellTable {
         std::uint64_t key = 0;
         Found found;
     };
+    /// Slots in use of so many, at most. chosen: three quarters, not tuned.
+    static std::size_t most_used(std::size_t slots) { return slots - (slots + 3) / 4; }
     std::size_t place_of(std::uint64_t key) const {
-        const std::size_t mask = slots_.size() - 1;
-        std::size_t i = core::mix(key) & mask;
-        while (slots_[i].found.index != none && slots_[i].key != key) i = (i + 1) & mask;
+        // As low bits of the hash say, since its upper ones choose the shard.
+        std::size_t i = (core::mix(key) & 0xffffffffu) * slots_.size() >> 32;
+        while (slots_[i].found.index != none && slots_[i].key != key) i = i + 1 < slots_.size() ? i + 1 : 0;
         return i;
     }
 
@@ -68,6 +70,36 @@ struct LightCell {
     glm::vec3 radiance{0}, near{0};
     std::uint32_t places = 0;                ///< that it is the mean of, those that are being evaluated among them
     std::uint32_t update = CellTable::none;  ///< of it, the last one; then its row in the equations
+};
+
+/// Cells of a shard, by index: in pages, so that none is ever moved and little is taken in advance.
+class CellPages {
+  public:
+    void clear();
+    void add();
+    std::size_t size() const { return used_; }
+    const LightCell& operator[](std::size_t index) const { return (*pages_[index / page_cells])[index % page_cells]; }
+    LightCell& operator[](std::size_t index) { return (*pages_[index / page_cells])[index % page_cells]; }
+
+    template <class A>
+    friend void archive(A& a, CellPages& cells) {
+        auto& [pages, used] = cells;
+        std::uint64_t count = used;
+        a(count);
+        if constexpr (std::is_same_v<A, core::ArchiveReader>) {
+            a.expect(count, sizeof(LightCell));
+            cells.clear();
+            while (used < count) cells.add();
+        }
+        for (std::size_t i = 0; i < count; ++i) a(cells[i]);
+    }
+
+  private:
+    static constexpr std::size_t page_cells = 256;  ///< 8 KiB
+    using Page = std::array<LightCell, page_cells>;
+
+    std::vector<std::unique_ptr<Page>> pages_;
+    std::size_t used_ = 0;
 };
 
 /// Cells in shards by a hash of their keys. A task that has a shard to itself may make cells there without a lock; any
@@ -115,7 +147,7 @@ class LightCells {
     static constexpr std::uint32_t own_index = 1u << 31;
     struct Shard {
         CellTable table, own_table;
-        std::vector<LightCell> cells, own_cells;
+        CellPages cells, own_cells;
     };
     static std::uint32_t index_in(std::size_t shard, bool is_own, std::uint32_t number) {
         return static_cast<std::uint32_t>(number * shards + shard) | (is_own ? own_index : 0u);
