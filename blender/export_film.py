@@ -55,9 +55,15 @@ def too_new(version):
             "name a newer one in RENDER2MPEG_BLENDER")
 
 
+def no_plain_file(path, kind):
+    return f"it uses {path}, which is {kind}; plain files alone are read"
+
+
 def open_blend(path):
-    from film_export import files
-    found = []
+    from film_export import files, libraries
+    found = [libraries.unreadable(path)]
+    if found[0]:
+        raise Refused(no_plain_file(*found[0]))
 
     @bpy.app.handlers.persistent
     def look(*_):
@@ -75,7 +81,7 @@ def open_blend(path):
         bpy.app.handlers.load_post.remove(look)
     bad = next(filter(None, found), None)
     if bad:
-        raise Refused("it uses {}, which is {}; plain files alone are read".format(*bad))
+        raise Refused(no_plain_file(*bad))
     if os.path.realpath(bpy.data.filepath) != os.path.realpath(path):
         raise Refused("Blender cannot read it")
 

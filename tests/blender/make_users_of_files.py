@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0 OR GPL-3.0-or-later
-"""blender -b --factory-startup -P make_users_of_files.py -- FOLDER: image, volume, cache and sound .blend, of which each uses
-the file picture.png, smoke.vdb, moves.mdd or voice.wav of the folder. Only the last is made."""
+"""blender -b --factory-startup -P make_users_of_files.py -- FOLDER: image, volume, cache, sound and library .blend, of
+which each uses the file picture.png, smoke.vdb, moves.mdd, voice.wav or part.blend of the folder. Only the last two are made."""
 import os
 import sys
 import wave
@@ -42,7 +42,15 @@ def of_sound():
     bpy.context.scene.sequence_editor_create().sequences.new_sound("Voice", path("voice.wav"), 1, 1)
 
 
-for name, use in (("image", of_image), ("volume", of_volume), ("cache", of_cache), ("sound", of_sound)):
+def of_library():
+    bpy.data.libraries.write(path("part.blend"), {bpy.data.objects["Cube"]})
+    bpy.data.objects.remove(bpy.data.objects["Cube"])
+    with bpy.data.libraries.load(path("part.blend"), link=True) as (_, linked):
+        linked.objects = ["Cube"]
+    bpy.context.scene.collection.objects.link(linked.objects[0])
+
+
+for name, use in (("image", of_image), ("volume", of_volume), ("cache", of_cache), ("sound", of_sound), ("library", of_library)):
     bpy.ops.wm.read_homefile(use_factory_startup=True)
     bpy.context.scene.frame_end = 1
     use()

@@ -115,8 +115,11 @@ TEST(BlendFilesThatUseSlow, WhatIsNoPlainFileAreRefusedByItsName) {
     const Outcome made =
         support::blender("-P " + support::blender_script("make_users_of_files.py") + " -- " + folder.path().string());
     ASSERT_EQ(made.status, 0) << made.output;
-    const std::pair<const char*, const char*> films[] = {
-        {"image", "picture.png"}, {"volume", "smoke.vdb"}, {"cache", "moves.mdd"}, {"sound", "voice.wav"}};
+    const std::pair<const char*, const char*> films[] = {{"image", "picture.png"},
+                                                         {"volume", "smoke.vdb"},
+                                                         {"cache", "moves.mdd"},
+                                                         {"sound", "voice.wav"},
+                                                         {"library", "part.blend"}};
     for (const auto& [film, name] : films) {
         fs::remove(folder / name);
         // A pipe would keep Blender waiting, and a device busy, for an hour.
