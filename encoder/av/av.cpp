@@ -214,7 +214,8 @@ void Muxer::write(std::span<const std::uint8_t> bytes, std::int64_t display_numb
                   bool starts_gop) {
     if (!impl_->container) {
         SequenceFacts facts = sequence_of(impl_->settings, bytes);
-        EXPECTS(facts.width == impl_->settings.width && facts.height == impl_->settings.height);
+        if (facts.width != impl_->settings.width || facts.height != impl_->settings.height)
+            throw core::Error("writing", impl_->file.string(), "pictures of another size");
         // Without the film's largest picture, take twice the first one's size: an I picture, and those are the large
         // ones.
         facts.largest_picture = impl_->largest_picture > 0 ? impl_->largest_picture : 2 * bytes.size();
@@ -228,7 +229,7 @@ void Muxer::write(std::span<const std::uint8_t> bytes, std::int64_t display_numb
     }
     // A picture is decoded when the one before it in display order begins to be shown (encoder/cadence.h).
     const std::int64_t decoding = coding_order - impl_->decoding_delay;
-    EXPECTS(decoding <= display_number);
+    if (decoding > display_number) throw core::Error("writing", impl_->file.string(), "pictures out of order");
     const auto fields = [&](std::int64_t number) { return encoder::fields_before(impl_->settings.cadence, number); };
     const std::int64_t presentation = fields(display_number);
     const Times times{presentation, fields(decoding), fields(display_number + 1) - presentation};

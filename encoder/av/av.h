@@ -68,7 +68,7 @@ class Muxer {
     /// One access unit in coding order. `display_number` and `coding_order` count from the film's first picture. The
     /// first one begins with the stream's headers. Pictures are shown as they are decoded where the film has no B
     /// pictures, else one picture later, or two where B pictures are referred to. Throws core::Error if the disk is
-    /// full.
+    /// full, and for pictures of another size or out of order.
     void write(std::span<const std::uint8_t> bytes, std::int64_t display_number, std::int64_t coding_order,
                bool starts_gop);
     /// Writes trailers and closes. Without it the file is not whole. Returns how loud the sound is; none: silent.

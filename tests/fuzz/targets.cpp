@@ -5,7 +5,7 @@
 namespace render2mpeg::fuzz {
 
 std::span<const NamedTarget> targets() {
-    static constexpr std::array<NamedTarget, 14> all{{{"gltf", gltf, 400},
+    static constexpr std::array<NamedTarget, 17> all{{{"gltf", gltf, 400},
                                                       {"animation", animation, 300},
                                                       {"model", model, 25},
                                                       {"volume", volume, 8},
@@ -18,7 +18,10 @@ std::span<const NamedTarget> targets() {
                                                       {"hints", hints, 600},
                                                       {"plan", plan, 1000},
                                                       {"light", light, 300},
-                                                      {"film", film, 60}}};
+                                                      {"film", film, 60},
+                                                      {"sound", sound, 60},
+                                                      {"chunk", chunk, 100},
+                                                      {"state", state, 20}}};
     return all;
 }
 

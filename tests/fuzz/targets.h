@@ -37,5 +37,8 @@ bool hints(Input);      ///< settings, pictures, motion and hints for the encode
 bool plan(Input);       ///< a farm's plan, and any JSON of ours
 bool light(Input);      ///< a light file behind a line with the identity that is looked for
 bool film(Input);       ///< a film for `info`
+bool sound(Input);      ///< a film's sound
+bool chunk(Input);      ///< a line with the record of a finished chunk, whose sum is right, then its stream
+bool state(Input);      ///< changes to what light so far left for the next frame, whose sum is right
 
 }  // namespace render2mpeg::fuzz

@@ -35,10 +35,12 @@ std::optional<ChunkFile> ChunkFile::reopened(const std::filesystem::path& file, 
     try {
         if (!record.is_object() || record.at("first") != chunk.first || record.at("last") != chunk.last) return {};
         auto pictures = record.at("pictures").get<std::vector<PictureRecord>>();
-        std::uint64_t bytes = 0;
-        for (const PictureRecord& picture : pictures) bytes += picture.bytes;
-        const bool sound = std::filesystem::file_size(file) == bytes &&
-                           record.at("checksum") == text_of(checksum_of(file)) && record.contains("facts");
+        std::uint64_t left = std::filesystem::file_size(file);
+        for (const PictureRecord& picture : pictures) {
+            if (picture.bytes > left) return {};
+            left -= picture.bytes;
+        }
+        const bool sound = left == 0 && record.at("checksum") == text_of(checksum_of(file)) && record.contains("facts");
         if (!sound) return {};
         return ChunkFile(file, chunk, std::move(pictures));
     } catch (const std::exception&) {
