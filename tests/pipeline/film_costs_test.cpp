@@ -19,7 +19,9 @@ namespace {
 using app::FilmCost;
 
 FilmCost row(const char* name, double cpu, std::optional<double> added, double loss) {
-    return {"--tolerance", name, cpu / 2, cpu, 1e5, added, loss};
+    static const app::Trial trial;
+    const bool by_truth = std::string(name) == "truth";
+    return {name, {{"--tolerance", name}}, by_truth ? nullptr : &trial, cpu / 2, cpu, 1e5, added, loss};
 }
 
 TEST(Offers, AreTakenByOneRule) {
@@ -108,20 +110,20 @@ TEST(FilmCosts, HaveSizeAndTimeOfTheFilmAsItWasAskedFor) {
         return t;
     };
     app::Sweep sweep;
-    sweep.rows = {{app::Sweep::fixed, "fixed=8%", trial(1, 4400)},
-                  {app::Sweep::fixed, "fixed=1%", trial(4, 4000)},
-                  {app::Sweep::coupled, "coupled", trial(2, 4000)},
-                  {app::Sweep::effort, "draft", trial(0.5, 1000)}};
+    sweep.rows = {{"fixed=8%", {{"--tolerance", "fixed=8%"}}, trial(1, 4400)},
+                  {"fixed=1%", {{"--tolerance", "fixed=1%"}}, trial(4, 4000)},
+                  {"coupled", {{"--tolerance", "coupled"}}, trial(2, 4000)},
+                  {"effort draft", {{"--effort", "draft"}}, trial(0.5, 1000)}};
     const auto row_of = [](const std::vector<FilmCost>& rows, const std::string& name) {
         for (const FilmCost& r : rows)
-            if (r.name() == name) return r;
+            if (r.name == name) return r;
         return FilmCost{};
     };
     const std::vector<FilmCost> sampled = app::film_costs(sweep, 60);
     EXPECT_DOUBLE_EQ(row_of(sampled, "effort draft").bytes, 60'000);
     EXPECT_DOUBLE_EQ(row_of(sampled, "coupled").bytes, 240'000);
     EXPECT_DOUBLE_EQ(row_of(sampled, "coupled").cpu, 120);
-    EXPECT_EQ(row_of(sampled, "truth").option, "") << "nobody found it";
+    EXPECT_EQ(row_of(sampled, "truth").name, "") << "nobody found it";
     sweep.forecast.emplace();
     sweep.forecast->cpu = 180;
     sweep.forecast->clock = 90;

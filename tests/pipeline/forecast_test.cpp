@@ -212,9 +212,9 @@ TEST(Effects, AreTheRowsOfThePlanThatRun) {
         std::set<std::string> expected, names;
         for (const renderer::PlanRow& row : film.plan.rows())
             if (row.runs && *row.effect != '\0') expected.insert(row.effect);
-        for (const app::LeftOut& less : app::left_out_of(film)) {
+        for (const app::Setting& less : app::left_out_of(film)) {
             names.insert(less.name);
-            if (!less.option.empty()) continue;
+            if (!less.choices.empty()) continue;
             int fewer = 0;
             for (const renderer::PlanRow& row : film.plan.rows())
                 fewer += row.runs && !less.film.plan.runs(row.pass) ? 1 : 0;

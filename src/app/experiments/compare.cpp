@@ -187,10 +187,11 @@ Comparing::Comparing(const TrialOptions& options, const RenderJob& film, const S
 
 bool Comparing::try_quantiser(int quantiser, const LitWindows& fixed) {
     const RenderJob coded = at_quantiser(film(), quantiser);
-    const auto coupled = run_trial(trials_, with_tolerance(coded, {false, 0, true, {}}),
-                                   fmt::format("coupled, quantiser {}", quantiser), is_quiet());
+    const auto coupled = run_trial(
+        trials_, {fmt::format("coupled, quantiser {}", quantiser), {}, with_tolerance(coded, {false, 0, true, {}})},
+        is_quiet());
     if (!coupled) return false;
-    add(coupled_way, *coupled);
+    add(coupled_way, coupled->trial);
     add(fixed_way, told("coding", is_quiet(), [&] { return trials_.coded_again(fixed, coded); }));
     for (const std::size_t way : {usual_way, strongest_way}) {
         const Trials::Codec codec = ffmpeg_codec(*found_.ways[way].ffmpeg, quantiser, film().coding.gop, film().rate);
@@ -205,7 +206,7 @@ void Comparing::run() {
     find_truth(trials_, is_quiet());
     log(trial_heading(trials_));
     LitWindows fixed;
-    if (!run_trial(trials_, with_tolerance(film(), {}), "fixed 2 %", is_quiet(), &fixed)) return;
+    if (!run_trial(trials_, {"fixed 2 %", {}, with_tolerance(film(), {})}, is_quiet(), &fixed)) return;
     log("\nCPU seconds and size per frame; decoded against that light" +
         std::string(trials_.truth() ? ", PSNR-Y the truth" : "") + "." +
         (trials_.are_weighted() ? "\nPSNR-Y is weighted by solid angle (WS-PSNR)." : "") + "\n" +
@@ -224,14 +225,14 @@ void Comparing::settle(const std::vector<std::string>& words) {
     const Way& way = found_.ways[costs[*taken].way];
     const int quantiser = way.rows[row].quantiser;
     const encoder::Codec codec = film().coding.codec;
-    std::vector<std::pair<std::string, std::string>> options{{"--tolerance", way.tolerance}};
+    Choices options{{"--tolerance", way.tolerance}};
     if (!way.ffmpeg) {
         options.emplace_back("--quantiser", std::to_string(quantiser));
-        found_.render = render_command(words, options_.render.input, codec, options);
+        found_.render = line_of(render_command(words, options_.render.input, codec, options));
         return;
     }
     options.insert(options.end(), {{"-o", "-"}, {"--as", "y4m"}});
-    found_.render = render_command(words, options_.render.input, codec, options) + " | ffmpeg -i - -c:v " +
+    found_.render = line_of(render_command(words, options_.render.input, codec, options)) + " | ffmpeg -i - -c:v " +
                     way.ffmpeg->encoder + " " + options_of(*way.ffmpeg, quantiser, film().coding.gop) + " " +
                     options_.render.input.stem().string() + std::string(encoder::facts_of(codec).usual_ending());
 }

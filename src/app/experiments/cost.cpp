@@ -22,24 +22,19 @@
 namespace render2mpeg::app {
 namespace {
 
-/// A way to make the film: one option of `render`.
-struct Setting {
-    const char* group;
-    std::string value;
-    RenderJob film;
-};
-
 /// From cheap to dear within each group.
 std::vector<Setting> settings_of(const TrialOptions& options, const RenderJob& film) {
     std::vector<Setting> all;
+    const auto add = [&](const std::string& before, const char* option, const std::string& value, RenderJob changed) {
+        all.push_back({before + value, {{option, value}}, std::move(changed)});
+    };
     for (const float share : options.tolerances)
-        all.push_back(
-            {Sweep::fixed, fmt::format("fixed={:.4g}%", 100 * share), with_tolerance(film, fixed_tolerance(share))});
-    all.push_back({Sweep::coupled, "coupled", film});
-    all.push_back({Sweep::effort, "draft", draft_of(film)});
+        add("", "--tolerance", fmt::format("fixed={:.4g}%", 100 * share), with_tolerance(film, fixed_tolerance(share)));
+    add("", "--tolerance", "coupled", film);
+    add("effort ", "--effort", "draft", draft_of(film));
     for (const Effort& effort : efforts)
         if (std::string_view(effort.name) != "default")
-            all.push_back({Sweep::effort, effort.name, at_effort(film, effort, options.render)});
+            add("effort ", "--effort", effort.name, at_effort(film, effort, options.render));
     return all;
 }
 
@@ -134,11 +129,10 @@ bool Cost::try_settings() {
         "light, %: 50 and 95 of 100 err by no more, over: beyond tolerance; as decoded\n" +
         heads_text(cost_columns, "setting", cost_name_width));
     for (const Setting& setting : settings_of(options_, trials_.film())) {
-        const std::string name = (setting.group == Sweep::effort ? "effort " : "") + setting.value;
-        const std::optional<Trial> trial = run_trial(trials_, setting.film, name, is_quiet());
-        if (!trial) return false;
-        sweep_.rows.push_back({setting.group, setting.value, *trial});
-        log(row_text(cost_columns, name, cost_name_width, *trial));
+        const std::optional<Tried> row = run_trial(trials_, setting, is_quiet());
+        if (!row) return false;
+        sweep_.rows.push_back(*row);
+        log(row_text(cost_columns, row->name, cost_name_width, row->trial));
     }
     return !InterruptGuard::requested();
 }
@@ -167,14 +161,12 @@ void Cost::write(const std::vector<std::string>& words) {
     const RenderJob& film = trials_.film();
     const std::vector<FilmCost> costs = film_costs(sweep_, film.frame_count());
     if (const auto taken = recommended(costs))
-        sweep_.render = render_command(words, options_.render.input, film.coding.codec,
-                                       {{costs[*taken].option, costs[*taken].value}});
+        sweep_.render = line_of(render_command(words, options_.render.input, film.coding.codec, costs[*taken].choices));
     const std::string answer = answer_of(costs, film.frame_count());
     if (!is_quiet()) {
         print(film_cost_table(costs));
         std::vector<NamedTrial> rows;
-        for (const TrialRow& row : sweep_.rows)
-            rows.emplace_back((row.group == Sweep::effort ? "effort " : "") + row.name, &row.trial);
+        for (const Tried& row : sweep_.rows) rows.emplace_back(row.name, &row.trial);
         print(installed_table(trials_, cost_name_width, rows));
         print_sentence(answer);
         if (!sweep_.render.empty()) print("\n" + sweep_.render + "\n");

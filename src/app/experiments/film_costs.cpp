@@ -4,13 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "app/files/file_io.h"
 #include "app/report/frame_view.h"
-#include "app/system/interrupt.h"
 #include "app/system/progress.h"
 #include "core/numeric.h"
 #include "parallel/loops.h"
@@ -25,95 +23,66 @@ constexpr double longest_side = 320;
 /// Times that are less than this share apart are not told apart. chosen: what CPU times of a few frames scatter by.
 constexpr double least_share = 0.03;
 
-/// Keeps the pictures of windows' last frames as they are lit.
-class Pictures : public LoopObserver {
-  public:
-    explicit Pictures(const std::vector<Chunk>& windows) : windows_(windows) {}
-    void lit(const LitFrame& frame) override {
-        for (const Chunk& window : windows_)
-            if (frame.world.frame == window.last) all.insert_or_assign(frame.world.frame, frame.picture);
-    }
-
-    std::map<std::int64_t, core::Picture> all;
-
-  private:
-    const std::vector<Chunk>& windows_;
-};
-
-struct Lit {
-    double cpu = 0;  ///< for the whole film
-    std::map<std::int64_t, core::Picture> pictures;
-};
-
-std::optional<Lit> light(const RenderJob& film, const std::vector<Chunk>& windows, const std::string& name,
-                         bool quiet) {
-    const Sample small{resized(film, scale_for(film, longest_side)), {windows, {}}};
-    Progress progress(small.windows.frames(), quiet || !shows_steps(), name, Counted::frames_of_step);
-    Pictures pictures(windows);
-    const auto sample = sample_frames(small, pictures, progress);
-    if (!sample) return {};
-    return Lit{film_by(film, *sample).seconds, std::move(pictures.all)};
+/// By a renderer of its own, so that each film has its one-time work in its time. None after an interruption.
+std::optional<LitWindows> light(const RenderJob& film, int frames, const std::string& name, bool quiet) {
+    Trials trials(resized(film, scale_for(film, longest_side)), middle_windows(film, 1, frames), 0);
+    LitWindows lit;
+    if (!run_trial(trials, {name, {}, trials.film()}, quiet, &lit)) return {};
+    return lit;
 }
 
-EffectCost difference_of(const Lit& whole, const Lit& less) {
+/// Of the last frames, in which light that is kept shows most.
+EffectCost difference_of(const LitWindows& whole, const LitWindows& less) {
     EffectCost cost;
-    double masked = 0, most = -1;
-    perceptual::FilmQuality quality;
-    for (auto& [frame, picture] : less.pictures) {
-        const core::Picture& right = whole.pictures.at(frame);
-        const double error = perceptual::masked_error(picture.y, right.y);
-        quality.add(picture, right);
-        masked += error / static_cast<double>(less.pictures.size());
-        if (error <= most) continue;
-        most = error;
-        cost.without = picture;
-        cost.whole = right;
-    }
+    cost.whole = whole.frames.rbegin()->second.picture;
+    cost.without = less.frames.rbegin()->second.picture;
+    const double masked = perceptual::masked_error(cost.without.y, cost.whole.y);
     if (masked > 0) cost.difference = perceptual::psnr(masked);
+    perceptual::FilmQuality quality;
+    quality.add(cost.without, cost.whole);
     cost.psnr_y = quality.psnr_y();
-    cost.share = 1 - core::divide_or(less.cpu, whole.cpu, 1.0);
+    cost.share = 1 - core::divide_or(less.light.cpu, whole.light.cpu, 1.0);
     return cost;
 }
 
 }  // namespace
 
-std::vector<LeftOut> left_out_of(const RenderJob& film) {
-    std::vector<LeftOut> all;
+std::vector<Setting> left_out_of(const RenderJob& film) {
+    std::vector<Setting> all;
     for (const renderer::PlanRow& row : film.plan.rows())
-        if (row.runs && *row.effect != '\0') all.push_back({row.effect, "", without(film, row.pass)});
-    const auto add = [&](const char* name, const std::string& option, auto&& leave_out) {
-        all.push_back({name, option, film});
+        if (row.runs && *row.effect != '\0') all.push_back({row.effect, {}, without(film, row.pass)});
+    const auto add = [&](const char* name, const Choices& choices, auto&& leave_out) {
+        all.push_back({name, choices, film});
         leave_out(all.back().film);
     };
     renderer::Settings r = film.rendering;
     if (film.cache.keeps())
-        add("kept light", "--cache off", [](RenderJob& f) { f.rendering.cache = renderer::CacheUse::off; });
-    if (film.tolerance.coupled) add("coupling", "--tolerance fixed=2%", [](RenderJob& f) { f.tolerance = {}; });
+        add("kept light", {{"--cache", "off"}}, [](RenderJob& f) { f.rendering.cache = renderer::CacheUse::off; });
+    if (film.tolerance.coupled) add("coupling", {{"--tolerance", "fixed=2%"}}, [](RenderJob& f) { f.tolerance = {}; });
     if (r.edge_samples > r.samples)
-        add("finer edges", fmt::format("--edge-samples {}", r.samples),
+        add("finer edges", {{"--edge-samples", std::to_string(r.samples)}},
             [](RenderJob& f) { f.rendering.edge_samples = f.rendering.most_samples = 0; });
     return all;
 }
 
 EffectCosts effect_costs(const RenderJob& film, int frames, double limit, bool quiet,
                          const std::function<void(const EffectCost&, bool)>& row_done) {
+    const std::vector<Setting> effects = left_out_of(film);
     EffectCosts costs;
-    std::vector<LeftOut> effects = left_out_of(film);
     costs.left = static_cast<int>(effects.size());
-    const std::vector<Chunk> windows = middle_windows(film, 1, frames);
     if (clock_seconds() > limit) return costs;
-    const std::optional<Lit> whole = light(film, windows, "all effects", quiet);
+    const std::optional<LitWindows> whole = light(film, frames, "all effects", quiet);
     if (!whole) return costs;
-    const core::Picture& picture = whole->pictures.begin()->second;
+    const core::Picture& picture = whole->frames.begin()->second.picture;
     costs.size = {picture.width(), picture.height()};
-    costs.frames = static_cast<int>(windows.front().frames());
-    for (const LeftOut& effect : effects) {
+    costs.frames = whole->light.frames;
+    for (const Setting& effect : effects) {
         if (clock_seconds() > limit) break;
-        const std::optional<Lit> less = light(effect.film, windows, "without " + effect.name, quiet);
+        const std::optional<LitWindows> less = light(effect.film, frames, "without " + effect.name, quiet);
         if (!less) break;
         EffectCost cost = difference_of(*whole, *less);
         cost.name = effect.name;
-        cost.option = effect.option;
+        for (const auto& [option, value] : effect.choices) cost.option = option + " " + value;
         row_done(cost, costs.rows.empty());
         costs.rows.push_back(std::move(cost));
         --costs.left;
@@ -142,9 +111,14 @@ namespace {
 /// [Ponomarenko2007]: below some 42 dB differences are seen. chosen: 4 and 8 dB more for errors that are not even.
 constexpr double invisible = 50, hardly = 46, slight = 42;
 
-constexpr const char* by_truth = "truth";
-
 using nlohmann::json;
+
+bool is_effort(const Choices& choices) {
+    return choices.front().first == "--effort";
+}
+bool is_coupled(const Tried& row) {
+    return row.choices.front().second == "coupled";
+}
 
 struct Base {
     double cpu = 0, bytes = 0;  ///< of the film, for one of the sample's frame
@@ -153,11 +127,11 @@ struct Base {
 
 /// The film as asked for is coupled: its forecast is that row's.
 Base base_of(const Sweep& sweep, double frames) {
-    const auto asked = std::ranges::find(sweep.rows, std::string(Sweep::coupled), &TrialRow::group);
+    const auto asked = std::ranges::find_if(sweep.rows, is_coupled);
     if (!sweep.forecast || asked == sweep.rows.end()) {
         // Mean pace of all rows, since the machine's load changes.
         double clock = 0, cpu = 0;
-        for (const TrialRow& row : sweep.rows) clock += row.trial.clock, cpu += row.trial.cpu;
+        for (const Tried& row : sweep.rows) clock += row.trial.clock, cpu += row.trial.cpu;
         return {frames, frames, core::divide_or(clock, cpu, 1.0)};
     }
     const Forecast& f = *sweep.forecast;
@@ -165,23 +139,14 @@ Base base_of(const Sweep& sweep, double frames) {
             core::divide_or(f.clock, f.cpu, 1.0)};
 }
 
-/// The trial of a film's row; null for paths.
-const TrialRow* row_of(const Sweep& sweep, const FilmCost& cost) {
-    const auto found = std::ranges::find_if(sweep.rows, [&](const TrialRow& row) {
-        return row.name == cost.value && (row.group == Sweep::effort) == (cost.option == "--effort");
-    });
-    return found == sweep.rows.end() ? nullptr : &*found;
-}
-
 /// One frame by each row of the film's table, null where there is none, beside exact light; null without references.
-json accuracies_json(const Sweep& sweep, const std::vector<FilmCost>& costs, const perceptual::PictureColors& colors) {
+json accuracies_json(const std::vector<FilmCost>& costs, const perceptual::PictureColors& colors) {
     json sources = json::array(), shown = nullptr;
     for (const FilmCost& cost : costs) {
-        const TrialRow* const row = row_of(sweep, cost);
         sources.push_back(nullptr);
-        if (row == nullptr || !row->trial.sample_frame) continue;
-        const SampleFrame& frame = *row->trial.sample_frame;
-        sources.back() = source_of(cost.name(), frame.lit, colors);
+        if (cost.trial == nullptr || !cost.trial->sample_frame) continue;
+        const SampleFrame& frame = *cost.trial->sample_frame;
+        sources.back() = source_of(cost.name, frame.lit, colors);
         if (shown.is_null())
             shown = {{"frame", frame.frame},
                      {"width", shown_width(frame.lit.width())},
@@ -195,8 +160,8 @@ json film_json(const std::vector<FilmCost>& costs) {
     json film = json::array();
     const std::optional<std::size_t> taken = recommended(costs);
     for (std::size_t i = 0; i < costs.size(); ++i)
-        film.push_back({{"option", costs[i].option},
-                        {"value", costs[i].value},
+        film.push_back({{"option", costs[i].choices.front().first},
+                        {"value", costs[i].choices.front().second},
                         {"clock", costs[i].clock},
                         {"cpu", costs[i].cpu},
                         {"bytes", costs[i].bytes},
@@ -226,13 +191,13 @@ const TrialColumns cost_columns{"light_seconds",  "rays_per_point", "cut",    "e
 
 const Trial* Sweep::best() const {
     const Trial* best = nullptr;
-    for (const TrialRow& row : rows)
-        if (row.group == fixed) best = &row.trial;
+    for (const Tried& row : rows)
+        if (!is_effort(row.choices) && !is_coupled(row)) best = &row.trial;
     return best;
 }
 
 std::string FilmCost::difference() const {
-    if (value == by_truth) return fmt::format("exact, by paths to {} %", PathTruth::percent);
+    if (trial == nullptr) return fmt::format("exact, by paths to {} %", PathTruth::percent);
     return words_for(added) + (psnr_loss < 0.005 ? "" : fmt::format(" (-{:.2f} dB)", psnr_loss));
 }
 
@@ -248,19 +213,19 @@ std::vector<FilmCost> film_costs(const Sweep& sweep, std::int64_t frame_count) {
     const Trial& best = *sweep.best();
     const auto frames = static_cast<double>(frame_count);
     const Base base = base_of(sweep, frames);
-    for (const TrialRow& row : sweep.rows) {
-        const Trial& trial = row.trial;
+    for (const auto& [name, choices, trial] : sweep.rows) {
         const double added = trial.masked_error - best.masked_error;
         const double loss = best.film_quality().psnr_y - trial.film_quality().psnr_y;
-        costs.push_back({row.group == Sweep::effort ? "--effort" : "--tolerance", row.name,
-                         base.pace * base.cpu * trial.cpu, base.cpu * trial.cpu, base.bytes * trial.film_bytes,
+        costs.push_back({name, choices, &trial, base.pace * base.cpu * trial.cpu, base.cpu * trial.cpu,
+                         base.bytes * trial.film_bytes,
                          added > 0 ? std::optional(perceptual::psnr(added)) : std::nullopt,
                          std::isfinite(loss) ? std::max(0.0, loss) : 0.0});
     }
     if (sweep.truth) {
         const double cpu = frames * sweep.pixels * sweep.truth->share * sweep.truth->seconds +
                            base.cpu * std::max(0.0, best.cpu - best.seconds);
-        costs.push_back({"--tolerance", by_truth, base.pace * cpu, cpu, base.bytes * best.film_bytes, {}, 0});
+        costs.push_back(
+            {"truth", {{"--tolerance", "truth"}}, nullptr, base.pace * cpu, cpu, base.bytes * best.film_bytes, {}, 0});
     }
     std::ranges::stable_sort(costs, {}, &FilmCost::cpu);
     return costs;
@@ -278,7 +243,7 @@ std::string answer_of(const std::vector<FilmCost>& costs, std::int64_t frames) {
     const FilmCost& here = costs[*taken];
     return fmt::format(
         "Take {}: your film of {} frames takes about {} and has about {}; the difference from exact light: {}.",
-        here.name(), frames, time_text(here.clock, here.cpu), size_text(here.bytes), words_for(here.added));
+        here.name, frames, time_text(here.clock, here.cpu), size_text(here.bytes), words_for(here.added));
 }
 
 std::string film_cost_table(const std::vector<FilmCost>& costs) {
@@ -288,16 +253,19 @@ std::string film_cost_table(const std::vector<FilmCost>& costs) {
                     parallel::thread_count(), "setting", "clock", "CPU, s", "size", "difference from exact light");
     for (std::size_t i = 0; i < costs.size(); ++i)
         text +=
-            fmt::format("{:<14} {:>8} {:>8.0f} {:>9}  {}{}\n", costs[i].name(), clock_text(costs[i].clock),
-                        costs[i].cpu, size_text(costs[i].bytes), costs[i].difference(), taken == i ? " <- take" : "");
+            fmt::format("{:<14} {:>8} {:>8.0f} {:>9}  {}{}\n", costs[i].name, clock_text(costs[i].clock), costs[i].cpu,
+                        size_text(costs[i].bytes), costs[i].difference(), taken == i ? " <- take" : "");
     return text;
 }
 
 json cost_json(const Sweep& sweep, const std::vector<FilmCost>& costs, std::int64_t frames) {
     json rows = json::array();
-    for (const TrialRow& row : sweep.rows) {
+    for (const Tried& row : sweep.rows) {
+        const char* const group = is_effort(row.choices) ? "effort"
+                                  : is_coupled(row)      ? "coupled to coding"
+                                                         : "fixed tolerance";
         rows.push_back(figures_json(row.trial));
-        rows.back().update({{"group", row.group}, {"name", row.name}});
+        rows.back().update({{"group", group}, {"name", row.choices.front().second}});
     }
     return {{"rows", rows},
             {"film", film_json(costs)},
@@ -310,8 +278,8 @@ json cost_json(const Sweep& sweep, const std::vector<FilmCost>& costs, std::int6
 json cost_page(const RenderJob& film, const Sweep& sweep, const std::vector<FilmCost>& costs) {
     const perceptual::PictureColors colors = film.colors();
     const std::optional<std::size_t> taken = recommended(costs);
-    const TrialRow* own = taken ? row_of(sweep, costs[*taken]) : nullptr;
-    const TrialRow& row = own != nullptr ? *own : sweep.rows.front();
+    const bool is_shown = taken && costs[*taken].trial != nullptr;
+    const Tried& first = sweep.rows.front();
     json without = json::array(), wholes = json::object();
     for (const EffectCost& cost : sweep.effects.rows) {
         without.push_back({{"source", source_of("without " + cost.name, cost.without, colors)},
@@ -321,10 +289,11 @@ json cost_page(const RenderJob& film, const Sweep& sweep, const std::vector<Film
     }
     return {{"threads", parallel::thread_count()},
             {"truth", truth_text(sweep.truth)},
-            {"accuracies", accuracies_json(sweep, costs, colors)},
+            {"accuracies", accuracies_json(costs, colors)},
             {"without", without},
             {"wholes", wholes},
-            {"sample", sample_frame_figures(row.name, row.trial, film)}};
+            {"sample", is_shown ? sample_frame_figures(costs[*taken].name, *costs[*taken].trial, film)
+                                : sample_frame_figures(first.name, first.trial, film)}};
 }
 
 }  // namespace render2mpeg::app

@@ -13,19 +13,13 @@
 
 namespace render2mpeg::app {
 
-/// A film without one effect.
-struct LeftOut {
-    std::string name;    ///< of what is left out: "bounced light"
-    std::string option;  ///< that leaves it out, "--cache off"; empty: the scene alone decides
-    RenderJob film;
-};
-
-/// All films with one effect less, and with less spent on accuracy.
-std::vector<LeftOut> left_out_of(const RenderJob& film);
+/// All films with one effect less, and with less spent on accuracy, by the names of what is left out. Without choices:
+/// the scene alone decides.
+std::vector<Setting> left_out_of(const RenderJob& film);
 
 struct EffectCost {
-    std::string name, option;
-    double share = 0;  ///< of the whole film's CPU time; below 0: the film would take more without it
+    std::string name, option;  ///< "kept light", "--cache off"; empty: without an option
+    double share = 0;          ///< of the whole film's CPU time; below 0: the film would take more without it
     /// PSNR-HVS-M of the lit pictures with and without it, dB; none: no visible difference.
     std::optional<double> difference;
     double psnr_y = 0;      ///< likewise; infinity where they are the same
@@ -51,15 +45,9 @@ std::string share_text(double share);
 std::string effects_heading();
 std::string effect_row(const EffectCost& cost);
 
-struct TrialRow {
-    std::string group;  ///< rows of one kind
-    std::string name;   ///< within it
-    Trial trial;
-};
-
 /// Results of `cost`.
 struct Sweep {
-    std::vector<TrialRow> rows;        ///< fixed tolerances from loose to tight, coupled, efforts
+    std::vector<Tried> rows;           ///< fixed tolerances from loose to tight, coupled, efforts
     std::optional<PathTruth> truth;    ///< none: not known
     std::optional<Forecast> forecast;  ///< of the film as it was asked for
     double pixels = 0;                 ///< of its frames
@@ -67,21 +55,20 @@ struct Sweep {
     std::string render;     ///< the command for the row to take; empty: none is known
     bool complete = false;  ///< false: interrupted
 
-    /// Groups of rows.
-    static constexpr const char *fixed = "fixed tolerance", *coupled = "coupled to coding", *effort = "effort";
     /// The tightest fixed tolerance; null: none was tried.
     const Trial* best() const;
 };
 
 struct FilmCost {
-    std::string option, value;    ///< of `render`: "--tolerance", "fixed=2%"
-    double clock = 0;             ///< seconds on this machine, as busy as it was
-    double cpu = 0;               ///< seconds of all threads
-    double bytes = 0;             ///< of the film's pictures
-    std::optional<double> added;  ///< dB of PSNR-HVS-M of what is added to the most exact row's error; none: nothing
-    double psnr_loss = 0;         ///< dB of PSNR-Y below the most exact row; 0 where that is not known
+    std::string name;
+    Choices choices;
+    const Trial* trial = nullptr;  ///< null: by truth
+    double clock = 0;              ///< seconds on this machine, as busy as it was
+    double cpu = 0;                ///< seconds of all threads
+    double bytes = 0;              ///< of the film's pictures
+    std::optional<double> added;   ///< dB of PSNR-HVS-M of what is added to the most exact row's error; none: nothing
+    double psnr_loss = 0;          ///< dB of PSNR-Y below the most exact row; 0 where that is not known
 
-    std::string name() const { return option == "--effort" ? "effort " + value : value; }
     /// "slight in flat areas (-0.62 dB)"
     std::string difference() const;
 };

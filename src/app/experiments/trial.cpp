@@ -202,7 +202,7 @@ class Trials::Judge : public LoopObserver {
 Trials::Trials(const RenderJob& film, std::vector<Chunk> windows, int references)
     : film_(plainly_coded(film, references)),
       windows_(std::move(windows)),
-      renderer_(*film_.animation, film_.rendering, film_.plan),
+      renderer_(renderer_of(film_)),
       references_of_window_(std::clamp(references, 0, static_cast<int>(windows_.front().frames()))) {
     RenderJob fixed = film_;
     fixed.tolerance = {};
@@ -232,7 +232,7 @@ std::optional<Trial> Trials::run(const RenderJob& film, const std::function<bool
     Judge judge(*this, trial, keep);
     RunStatistics statistics;
     std::optional<renderer::Renderer> own;
-    if (!is_same_light(film, film_)) own.emplace(*film.animation, film.rendering, film.plan);
+    if (!is_same_light(film, film_)) own.emplace(renderer_of(film));
     renderer::Renderer& renderer = own ? *own : renderer_;
     const renderer::Statistics before = renderer.statistics();
     const std::optional<FrameSample> sample =

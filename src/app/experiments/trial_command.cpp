@@ -141,8 +141,8 @@ void check_trial_outputs(const RenderJob& film, const TrialOptions& options) {
 
 }  // namespace
 
-std::string render_command(const std::vector<std::string>& words, const std::filesystem::path& input,
-                           encoder::Codec codec, std::vector<std::pair<std::string, std::string>> with) {
+std::vector<std::string> render_command(const std::vector<std::string>& words, const std::filesystem::path& input,
+                                        encoder::Codec codec, Choices with) {
     std::vector<std::string> without(options_of_trials.begin(), options_of_trials.end());
     std::vector<std::string> flags{"--quiet", "--dry-run"};
     const auto is_output = [](const std::string& word) {
@@ -160,7 +160,7 @@ std::string render_command(const std::vector<std::string>& words, const std::fil
         without.push_back(name);
         if (name == "--quantiser") without.emplace_back("-q");
     }
-    return line_of(changed_command(words, "render", without, flags, with));
+    return changed_command(words, "render", without, flags, with);
 }
 
 RenderJob prepare_trials(const RenderOptions& render, const TrialOptions& options) {
@@ -227,16 +227,16 @@ std::string truth_text(const std::optional<PathTruth>& truth) {
         truth->pixels, truth->of, psnr_text(truth->psnr_y));
 }
 
-std::optional<Trial> run_trial(Trials& trials, const RenderJob& film, const std::string& name, bool quiet,
-                               LitWindows* keep) {
-    Progress progress(trials.frames(), quiet || !shows_steps(), name, Counted::frames_of_step);
-    return trials.run(
-        film,
+std::optional<Tried> run_trial(Trials& trials, const Setting& setting, bool quiet, LitWindows* keep) {
+    Progress progress(trials.frames(), quiet || !shows_steps(), setting.name, Counted::frames_of_step);
+    const std::optional<Trial> trial = trials.run(
+        setting.film,
         [&] {
             progress.advance();
             return !InterruptGuard::requested();
         },
         keep);
+    return trial ? std::optional(Tried{setting.name, setting.choices, *trial}) : std::nullopt;
 }
 
 RenderJob with_tolerance(RenderJob film, const ToleranceRequest& tolerance) {

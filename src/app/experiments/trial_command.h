@@ -17,6 +17,21 @@
 
 namespace render2mpeg::app {
 
+/// Options of `render` with their values.
+using Choices = std::vector<std::pair<std::string, std::string>>;
+
+/// A way to make the film.
+struct Setting {
+    std::string name;  ///< "effort low", "fixed=16%"
+    Choices choices;   ///< beside what was asked for
+    RenderJob film;
+};
+struct Tried {
+    std::string name;  ///< of its setting, as its choices
+    Choices choices;
+    Trial trial;
+};
+
 /// A figure of a trial.
 struct TrialColumn {
     std::string_view key;  ///< in JSON
@@ -45,9 +60,9 @@ std::string installed_table(const Trials& trials, int width, const std::vector<N
 /// All figures of a trial by their keys, whatever a table shows; null for non-finite values.
 nlohmann::json figures_json(const Trial& trial);
 
-/// The `render` command of the tried film with these options; without -o, the film is named after the scene.
-std::string render_command(const std::vector<std::string>& words, const std::filesystem::path& input,
-                           encoder::Codec codec, std::vector<std::pair<std::string, std::string>> with);
+/// Words of the `render` command of the tried film with these options; without -o, it is named after the scene.
+std::vector<std::string> render_command(const std::vector<std::string>& words, const std::filesystem::path& input,
+                                        encoder::Codec codec, Choices with);
 
 /// Loads and settles the film, its exposure included, prints its notes and refuses outputs that would replace other
 /// files; a part of it after an interrupt.
@@ -69,8 +84,7 @@ void find_truth(Trials& trials, bool quiet);
 std::string truth_text(const std::optional<PathTruth>& truth);
 
 /// Lights and codes the windows with a progress line. None after an interruption.
-std::optional<Trial> run_trial(Trials& trials, const RenderJob& film, const std::string& name, bool quiet,
-                               LitWindows* keep = nullptr);
+std::optional<Tried> run_trial(Trials& trials, const Setting& setting, bool quiet, LitWindows* keep = nullptr);
 
 /// Calls `work` with its elapsed time on a terminal.
 template <class Work>

@@ -36,9 +36,9 @@ using Kind = Target::Kind;
 const TrialColumns by_quality{"light_seconds", "code_seconds", "kilobits", "psnr_y", "ssim_y"},
     by_time{"light_seconds", "kilobits", "psnr_y", "ssim_y"};
 
-/// "quality 63.4", or another setting's name.
-std::string name_of(const Target& target, const Probe& probe) {
-    return target.kind == Kind::time ? probe.setting : "quality " + probe.setting;
+/// "63.4", or the name of less light.
+const std::string& setting_of(const Target& target, const Probe& probe) {
+    return target.kind == Kind::time ? probe.name : probe.choices.front().second;
 }
 
 /// Why a setting that is taken misses the target; empty where it meets it.
@@ -118,9 +118,10 @@ std::string probe_heads(const Target& target) {
 
 std::string probe_row(const Target& target, const Probe& probe) {
     const bool time = target.kind == Kind::time;
-    std::string row = row_text(time ? by_time : by_quality,
-                               fmt::format("{:>9}", time ? clock_text(probe.value) : probe.setting), 9, probe.trial);
-    row.insert(row.find('\n'), time ? "  " + probe.setting : probe.lit ? "" : "  the same light");
+    std::string row =
+        row_text(time ? by_time : by_quality,
+                 fmt::format("{:>9}", time ? clock_text(probe.value) : setting_of(target, probe)), 9, probe.trial);
+    row.insert(row.find('\n'), time ? "  " + probe.name : probe.lit ? "" : "  the same light");
     return row;
 }
 
@@ -129,7 +130,7 @@ std::string sentence_of(const Tuning& tuning) {
     if (tuning.found == Found::stopped || !tuning.chosen) return {};
     const Target& target = tuning.target;
     const Probe& probe = tuning.probes[*tuning.chosen];
-    std::string name = target.kind == Kind::time ? "with " + probe.setting : name_of(target, probe);
+    std::string name = (target.kind == Kind::time ? "with " : "") + probe.name;
     const std::string value = figure_text(target.is_rate() ? Kind::bitrate : target.kind, probe.value);
     std::string asked = target_text(target);
     if (target.kind == Kind::size && !tuning.options.empty())
@@ -174,7 +175,9 @@ json tune_json(const Tuning& tuning) {
     json rows = json::array(), options = json::object();
     for (const Probe& probe : tuning.probes) {
         rows.push_back(figures_json(probe.trial));
-        rows.back().update({{"setting", probe.setting}, {"lit", probe.lit}, {"value", finite_or_null(probe.value)}});
+        rows.back().update({{"setting", setting_of(tuning.target, probe)},
+                            {"lit", probe.lit},
+                            {"value", finite_or_null(probe.value)}});
     }
     for (const auto& [name, value] : tuning.options) options[name.substr(2)] = value;
     constexpr const char* outcomes[] = {"near", "between", "beyond", "stopped"};
@@ -183,7 +186,7 @@ json tune_json(const Tuning& tuning) {
             {"found", outcomes[static_cast<int>(tuning.found)]},
             {"chosen", or_null(tuning.chosen)},
             {"options", options},
-            {"render", or_null(tuning.command)},
+            {"render", text_or_null(line_of(tuning.command))},
             {"film", film_json(tuning)},
             {"summary", sentence_of(tuning)}};
 }
@@ -192,7 +195,7 @@ json tune_page(const RenderJob& film, const Tuning& tuning) {
     json page{{"film", film_sentence(tuning)}, {"frame_count", film.frame_count()}, {"pictures", json::array()}};
     if (!tuning.chosen) return page;
     const Probe& taken = tuning.probes[*tuning.chosen];
-    page["sample"] = sample_frame_figures(name_of(tuning.target, taken), taken.trial, film);
+    page["sample"] = sample_frame_figures(taken.name, taken.trial, film);
     if (const auto& own = taken.trial.sample_frame)
         page["pictures"].push_back(pair_of(fmt::format("Frame {}: decoded, beside exact light", own->frame),
                                            {"decoded", own->decoded}, {"exact, not coded", own->reference},
@@ -333,7 +336,7 @@ void TuneCommand::settle_options() {
     const Target& target = tuning_.target;
     const Probe& chosen = tuning_.probes[*tuning_.chosen];
     if (target.is_quality()) {
-        tuning_.options = {{"--quality", chosen.setting}};
+        tuning_.options = chosen.choices;
     } else if (target.is_rate()) {
         double rate = searched(target, trials_->film(), options_.render.output).value;
         // A size that the finest film does not fill is reached; but the sample is not the film.
@@ -346,7 +349,7 @@ void TuneCommand::settle_options() {
         // A rate beyond the finest film's gives the finest film.
         if (target.kind == Kind::bitrate && tuning_.found == Found::beyond && *chosen.trial.quality > 50) {
             tuning_.found = Found::between;
-            tuning_.options = {{"--quality", chosen.setting}};
+            tuning_.options = chosen.choices;
         }
     }
     if (tuning_.found != Found::beyond) settle_command();
@@ -367,7 +370,7 @@ int TuneCommand::make(const RenderFilm& render_film) {
     for (const char* looked_for : options_of_trials) render_options.said.erase(looked_for);
     for (const auto& [name, value] : tuning_.options) render_options.said[name] = value;
     Rendered rendered;
-    const int status = render_film(render_options, *tuning_.command, &rendered);
+    const int status = render_film(render_options, line_of(tuning_.command), &rendered);
     if (status == 0) look_at_film(rendered);
     return status;
 }
@@ -416,7 +419,7 @@ int tune(const TrialOptions& options, const std::vector<std::string>& words, con
         print_error(target_text(tuning.target) + ": out of reach");
         return 1;
     }
-    if (!quiet) print("\n" + *tuning.command + "\n");
+    if (!quiet) print("\n" + line_of(tuning.command) + "\n");
     int status = 0;
     if (!options.render.dry_run) {
         if (!quiet) print("\n");
@@ -429,7 +432,7 @@ int tune(const TrialOptions& options, const std::vector<std::string>& words, con
             if (!quiet) print_sentence(film_sentence(tuning));
             status = film_is_near(tuning) ? 0 : 1;
             if (status == 0 || films == most_films || !nearer_quality(tuning)) break;
-            if (!quiet) print("\n" + *tuning.command + "\n\n");
+            if (!quiet) print("\n" + line_of(tuning.command) + "\n\n");
         }
         if (status != 0) print_error(target_text(tuning.target) + ": the film that was made missed it");
     }

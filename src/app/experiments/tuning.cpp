@@ -7,7 +7,6 @@
 #include <cstdlib>
 #include <utility>
 
-#include "app/experiments/trial_command.h"
 #include "app/report/figures.h"
 #include "app/system/interrupt.h"
 #include "app/system/progress.h"
@@ -71,8 +70,9 @@ constexpr double first_quality = 60;
 /// (0.2..0.7).
 constexpr double close = 0.4;
 
-std::string setting_of(double quality) {
-    return fmt::format("{:.1f}", quality);
+Setting setting_of(const RenderJob& film, double quality) {
+    const std::string value = fmt::format("{:.1f}", quality);
+    return {"quality " + value, {{"--quality", value}}, at_quality(film, quality)};
 }
 
 class CodingTuner {
@@ -87,7 +87,7 @@ class CodingTuner {
     bool is_right(const Probe& probe) const {
         return target_.is_rate() ? probe.value <= target_.value : probe.value >= target_.value;
     }
-    const Probe& add(double quality, Trial trial, bool lit);
+    Probe add(Tried tried, bool lit);
     /// The quality that meets the target with this light, made for `quality`.
     double coded_again(const LitWindows& light, double quality, const Probe& lit);
     /// Concludes where no quality is left to be lit.
@@ -100,10 +100,9 @@ class CodingTuner {
     const LogProbe& log_;
 };
 
-const Probe& CodingTuner::add(double quality, Trial trial, bool lit) {
-    Probe probe{setting_of(quality), std::move(trial), 0, lit};
-    probe.value = value_of(target_, probe.trial);
-    tuning_.probes.push_back(std::move(probe));
+Probe CodingTuner::add(Tried tried, bool lit) {
+    const double value = value_of(target_, tried.trial);
+    tuning_.probes.push_back({std::move(tried), value, lit});
     log_(tuning_.probes.back());
     return tuning_.probes.back();
 }
@@ -114,10 +113,9 @@ double CodingTuner::coded_again(const LitWindows& light, double quality, const P
     for (int i = 0; i < most_codings && !InterruptGuard::requested(); ++i) {
         const std::optional<double> next = search.next();
         if (!next) break;
-        const Probe& probe =
-            add(*next,
-                told("coding", quiet_, [&] { return trials_.coded_again(light, at_quality(trials_.film(), *next)); }),
-                false);
+        const Setting setting = setting_of(trials_.film(), *next);
+        const Trial trial = told("coding", quiet_, [&] { return trials_.coded_again(light, setting.film); });
+        const Probe probe = add({setting.name, setting.choices, trial}, false);
         search.add(*next, figure(probe));
         // After three tries a quantiser step is in the way.
         if (is_near(target_, probe.value, i < 3 ? close : 0.8)) break;
@@ -133,10 +131,9 @@ void CodingTuner::settle() {
     std::vector<double> lit;
     for (int i = 0; i < most_lightings; ++i) {
         LitWindows light;
-        const auto trial =
-            run_trial(trials_, at_quality(trials_.film(), quality), "quality " + setting_of(quality), quiet_, &light);
-        if (!trial) return;
-        const Probe probe = add(quality, *trial, true);
+        const auto tried = run_trial(trials_, setting_of(trials_.film(), quality), quiet_, &light);
+        if (!tried) return;
+        const Probe probe = add(*tried, true);
         lit.push_back(quality);
         if (is_near(target_, probe.value)) break;
         quality = coded_again(light, quality, probe);
@@ -173,12 +170,6 @@ void CodingTuner::conclude() {
     tuning_.found = near ? Found::near : at_end ? Found::beyond : Found::between;
 }
 
-struct Rung {
-    RenderJob film;
-    std::vector<std::pair<std::string, std::string>> options;  ///< that differ from what was asked for
-    std::string name;
-};
-
 /// Largest loss of a step, dB, and the power of tolerances that losses follow (docs/model/tolerance.md#the-price).
 constexpr double most_loss = 6, noise_power = 1.6;
 
@@ -206,11 +197,11 @@ std::string text_of(const ToleranceRequest& t) {
 /// chosen: in this order steps cost least of the picture (docs/measurements.md#tolerance-fraction, "Steps of tune"):
 /// tolerances up to four times what hides, then edges, then light points, whose light is another one; four steps of
 /// each.
-std::vector<Rung> ladder_of(const RenderJob& film) {
+std::vector<Setting> ladder_of(const RenderJob& film) {
     const int samples = film.rendering.samples, vpls = film.rendering.vpls;
-    std::vector<Rung> rungs;
+    std::vector<Setting> rungs;
     const auto add = [&](float factor, int fewer_samples, int fewer_points) {
-        Rung rung{factor > 1 ? with_tolerance(film, loosened(film.tolerance, factor)) : film, {}, ""};
+        Setting rung{"", {}, factor > 1 ? with_tolerance(film, loosened(film.tolerance, factor)) : film};
         renderer::Settings& r = rung.film.rendering;
         r.samples = std::max(1, samples / fewer_samples);
         // Rays bring their light without points.
@@ -218,15 +209,15 @@ std::vector<Rung> ladder_of(const RenderJob& film) {
             r.vpls = std::max(std::min(vpls, 64), vpls / fewer_points);
         if (r.samples != samples) r.edge_samples = r.most_samples = 0;
         if (factor > 1)
-            rung.options.emplace_back(
+            rung.choices.emplace_back(
                 rung.film.tolerance.coupled && !rung.film.tolerance.fraction ? "--loss" : "--tolerance",
                 text_of(rung.film.tolerance));
-        if (r.samples != samples) rung.options.emplace_back("--samples", std::to_string(r.samples));
-        if (r.vpls != vpls) rung.options.emplace_back("--vpls", std::to_string(r.vpls));
-        for (const auto& [name, value] : rung.options)
+        if (r.samples != samples) rung.choices.emplace_back("--samples", std::to_string(r.samples));
+        if (r.vpls != vpls) rung.choices.emplace_back("--vpls", std::to_string(r.vpls));
+        for (const auto& [name, value] : rung.choices)
             rung.name += (rung.name.empty() ? "" : ", ") + name.substr(2) + " " + value;
         if (rung.name.empty()) rung.name = "as asked for";
-        if (rungs.empty() || rung.options != rungs.back().options) rungs.push_back(std::move(rung));
+        if (rungs.empty() || rung.choices != rungs.back().choices) rungs.push_back(std::move(rung));
     };
     add(1, 1, 1);
     add(2, 1, 1);
@@ -302,18 +293,15 @@ void tune_coding(Trials& trials, const Target& target, bool quiet, Tuning& tunin
 }
 
 void tune_time(Trials& trials, const RenderJob& film, double once, bool quiet, Tuning& tuning, const LogProbe& log) {
-    const std::vector<Rung> rungs = ladder_of(film);
-    std::vector<std::size_t> tried;  // rungs of the probes
+    const std::vector<Setting> rungs = ladder_of(film);
     bool stopped = false;
     const auto fits = [&](std::size_t index) {
-        const Rung& rung = rungs[index];
-        const auto trial = run_trial(trials, rung.film, rung.name, quiet);
-        stopped = !trial;
+        const auto tried = run_trial(trials, rungs[index], quiet);
+        stopped = !tried;
         if (stopped) return false;
-        const double seconds = once + trial->clock * static_cast<double>(rung.film.frame_count());
-        tuning.probes.push_back({rung.name, *trial, seconds, true});
+        const double seconds = once + tried->trial.clock * static_cast<double>(film.frame_count());
+        tuning.probes.push_back({*tried, seconds, true});
         log(tuning.probes.back());
-        tried.push_back(index);
         return seconds <= tuning.target.value;
     };
     std::size_t slow = 0, fast = rungs.size() - 1;
@@ -324,7 +312,7 @@ void tune_time(Trials& trials, const RenderJob& film, double once, bool quiet, T
         }
     if (stopped) return;
     tuning.chosen = rung_to_take(tuning);
-    tuning.options = rungs[tried[*tuning.chosen]].options;
+    tuning.options = tuning.probes[*tuning.chosen].choices;
     tuning.found = tuning.probes[*tuning.chosen].value <= tuning.target.value ? Found::near : Found::beyond;
 }
 

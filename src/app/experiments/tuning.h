@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "app/experiments/trial.h"
+#include "app/experiments/trial_command.h"
 
 namespace render2mpeg::app {
 
@@ -78,9 +78,7 @@ bool is_lossless(const Target& target, double value);
 /// Whether a value is near enough, or within `share` of that.
 bool is_near(const Target& target, double value, double share = 1);
 
-struct Probe {
-    std::string setting;  ///< "63.4", "coupled=0.5, 1 sample"
-    Trial trial;
+struct Probe : Tried {
     double value = 0;  ///< in the target's kind
     bool lit = true;   ///< false: light of another probe, coded again
 };
@@ -109,9 +107,9 @@ struct Tuning {
     Target target;
     std::vector<Probe> probes;
     Found found = Found::stopped;
-    std::optional<std::size_t> chosen;                         ///< of the probes
-    std::vector<std::pair<std::string, std::string>> options;  ///< resulting options of `render`: name and value
-    std::optional<std::string> command;                        ///< to paste; none where nothing is to be rendered
+    std::optional<std::size_t> chosen;   ///< of the probes
+    Choices options;                     ///< the result
+    std::vector<std::string> command{};  ///< `render` with these options; none where nothing is to be rendered
     std::optional<WholeFilm> film;
 };
 
