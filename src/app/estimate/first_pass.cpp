@@ -5,7 +5,6 @@
 
 #include "app/loop/pipeline.h"
 #include "app/loop/sample.h"
-#include "app/system/interrupt.h"
 #include "app/system/progress.h"
 #include "encoder/codec.h"
 
@@ -64,11 +63,7 @@ std::vector<encoder::BitAllocation> first_pass(const RenderJob& film, bool quiet
     Progress progress(film.frame_count(), quiet, "first pass", Counted::frames_of_step);
     FirstPassCollector collector(pass.coding);
     RunStatistics statistics;
-    const bool whole = render_through(pass, collector, statistics, [&] {
-        progress.advance();
-        return !InterruptGuard::requested();
-    });
-    if (!whole) return {};
+    if (!render_through(pass, collector, statistics, advancing(progress))) return {};
     return encoder::allocate_bits(film.coding, collector.film(), size_ratio_of(film, pass));
 }
 

@@ -230,14 +230,13 @@ std::optional<Trial> Trials::run(const RenderJob& film, const std::function<bool
     trial.frames = frames();
     trial.has_references = references() > 0;
     Judge judge(*this, trial, keep);
-    RunStatistics statistics;
     std::optional<renderer::Renderer> own;
     if (!is_same_light(film, film_)) own.emplace(renderer_of(film));
     renderer::Renderer& renderer = own ? *own : renderer_;
     const renderer::Statistics before = renderer.statistics();
-    const std::optional<FrameSample> sample =
-        light_sample({film, {windows_, {}}}, renderer, judge, statistics, frame_done);
+    const std::optional<FrameSample> sample = light_sample({film, {windows_, {}}}, renderer, judge, frame_done);
     if (!sample) return std::nullopt;
+    const RunStatistics& statistics = sample->statistics;
     set_counts(trial, before, renderer.statistics());
     trial.seconds = statistics.of(Stage::shade) + statistics.of(Stage::preview);
     if (film.tolerance.coupled) trial.seconds += statistics.of(Stage::tolerate);

@@ -207,10 +207,7 @@ bool light_references(Trials& trials, bool quiet) {
                                        wanted == 1 ? "the reference" : "the references", clock_text(seconds)));
             begin(quiet);
         },
-        [&] {
-            progress->advance();
-            return !InterruptGuard::requested();
-        });
+        [&] { return advancing(*progress)(); });
 }
 
 void find_truth(Trials& trials, bool quiet) {
@@ -229,13 +226,7 @@ std::string truth_text(const std::optional<PathTruth>& truth) {
 
 std::optional<Tried> run_trial(Trials& trials, const Setting& setting, bool quiet, LitWindows* keep) {
     Progress progress(trials.frames(), quiet || !shows_steps(), setting.name, Counted::frames_of_step);
-    const std::optional<Trial> trial = trials.run(
-        setting.film,
-        [&] {
-            progress.advance();
-            return !InterruptGuard::requested();
-        },
-        keep);
+    const std::optional<Trial> trial = trials.run(setting.film, advancing(progress), keep);
     return trial ? std::optional(Tried{setting.name, setting.choices, *trial}) : std::nullopt;
 }
 

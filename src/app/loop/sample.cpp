@@ -91,8 +91,7 @@ RenderJob resized(const RenderJob& film, double scale) {
 }
 
 std::optional<FrameSample> light_sample(const Sample& sample, renderer::Renderer& renderer, LoopObserver& observer,
-                                        RunStatistics& statistics, const std::function<bool()>& frame_done,
-                                        const std::function<bool()>& stops) {
+                                        const std::function<bool()>& frame_done, const std::function<bool()>& stops) {
     RenderJob film = sample.film;
     film.is_sample = true;
     FrameSample found;
@@ -100,6 +99,7 @@ std::optional<FrameSample> light_sample(const Sample& sample, renderer::Renderer
     found.codec = film.coding.codec;
     const std::vector<std::int64_t> cuts = cuts_of(film);
     const double began = clock_seconds(), cpu_before = cpu_seconds();
+    RunStatistics statistics;
     MeanCost first, later;
     for (std::size_t k = 0; k < sample.windows.all.size() && (k == 0 || !stops()); ++k) {
         const Chunk& window = sample.windows.all[k];
@@ -129,6 +129,7 @@ std::optional<FrameSample> light_sample(const Sample& sample, renderer::Renderer
     found.clock = clock_seconds() - began;
     found.first = first.value();
     found.later = later.value();
+    found.statistics = totals_of(statistics, renderer);
     return found;
 }
 
@@ -137,17 +138,9 @@ std::optional<FrameSample> sample_frames(const Sample& sample, LoopObserver& obs
     const double cpu_before = cpu_seconds();
     renderer::Renderer renderer = renderer_of(sample.film);
     const double built = cpu_seconds() - cpu_before;
-    RunStatistics statistics;
-    std::optional<FrameSample> found = light_sample(
-        sample, renderer, observer, statistics,
-        [&] {
-            progress.advance();
-            return !InterruptGuard::requested();
-        },
-        [&] { return InterruptGuard::requested() || is_over(); });
-    if (!found) return {};
-    found->built = built;
-    found->statistics = totals_of(statistics, renderer);
+    std::optional<FrameSample> found = light_sample(sample, renderer, observer, advancing(progress),
+                                                    [&] { return InterruptGuard::requested() || is_over(); });
+    if (found) found->built = built;
     return found;
 }
 
@@ -162,11 +155,7 @@ std::vector<WindowCost> small_costs(const RenderJob& film, const std::vector<Chu
     const std::unique_ptr<renderer::Renderer> renderer = make(sample.film);
     Progress progress(sample.windows.frames(), quiet, "sample", Counted::parts_of_step);
     LoopObserver nobody;
-    RunStatistics statistics;
-    const std::optional<FrameSample> found = light_sample(sample, *renderer, nobody, statistics, [&] {
-        progress.advance();
-        return !InterruptGuard::requested();
-    });
+    const std::optional<FrameSample> found = light_sample(sample, *renderer, nobody, advancing(progress));
     // A signal ends it between two windows, too.
     return found && found->windows.size() == stretches.size() ? found->windows : std::vector<WindowCost>();
 }

@@ -40,7 +40,7 @@ struct FrameSample {
     encoder::Codec codec = encoder::Codec::mpeg2;
     double cpu = 0, clock = 0;  ///< seconds of all of it
     double built = 0;           ///< CPU of a run's one-time construction
-    RunStatistics statistics;   ///< of sample_frames() alone
+    RunStatistics statistics;
 };
 
 /// Windows of a film in the size in which they are lit.
@@ -59,13 +59,12 @@ RenderJob resized(const RenderJob& film, double scale);
 /// Lights and codes each window as a film of its own. None where `frame_done` said false; without frames where `stops`
 /// ended the first one. Later frames that were not lit in time are reckoned.
 std::optional<FrameSample> light_sample(const Sample& sample, renderer::Renderer& renderer, LoopObserver& observer,
-                                        RunStatistics& statistics, const std::function<bool()>& frame_done,
+                                        const std::function<bool()>& frame_done,
                                         const std::function<bool()>& stops = &InterruptGuard::requested);
 
 /// The same with its own renderer until `is_over`; none after an interrupt.
-std::optional<FrameSample> sample_frames(
-    const Sample& sample, LoopObserver& observer, Progress& progress,
-    const std::function<bool()>& is_over = [] { return false; });
+std::optional<FrameSample> sample_frames(const Sample& sample, LoopObserver& observer, Progress& progress,
+                                         const std::function<bool()>& is_over);
 
 /// Costs of `length` frames in the middle of each stretch, in pictures of 32 pixels lit by the renderer that `make`
 /// gives for them. Empty where they take more than a thirtieth of the time of `frames` of the film, and after an

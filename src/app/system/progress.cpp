@@ -11,6 +11,7 @@
 #include <numeric>
 #include <utility>
 
+#include "app/system/interrupt.h"
 #include "app/system/terminal.h"
 #include "core/numeric.h"
 #include "core/text.h"
@@ -307,6 +308,13 @@ void Progress::draw() {
         std::fputs((progress_line(standing_, 1000, false) + "\n").c_str(), stderr);
     }
     std::fflush(stderr);
+}
+
+std::function<bool()> advancing(Progress& progress) {
+    return [&progress] {
+        progress.advance();
+        return !InterruptGuard::requested();
+    };
 }
 
 std::string clock_text(double seconds) {

@@ -113,6 +113,9 @@ class Progress {
     std::jthread ticker_;
 };
 
+/// Counts one more, and tells whether nobody interrupted.
+std::function<bool()> advancing(Progress& progress);
+
 /// "1:02:03", "2:03": hours only where there are any.
 std::string clock_text(double seconds);
 
