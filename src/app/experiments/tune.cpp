@@ -14,7 +14,6 @@
 #include "app/experiments/tuning.h"
 #include "app/files/file_io.h"
 #include "app/files/publish.h"
-#include "app/options/option_text.h"
 #include "app/options/options.h"
 #include "app/options/output_kind.h"
 #include "app/options/usage_error.h"
@@ -356,21 +355,12 @@ void TuneCommand::settle_options() {
 }
 
 int TuneCommand::make(const RenderFilm& render_film) {
-    RenderOptions render_options = options_.render;
-    render_options.overwrite = true;  // that was settled before anything was tried
-    for (const auto& [name, value] : tuning_.options) {
-        if (name == "--quality") render_options.coding.quality = std::stod(value);
-        if (name == "--bitrate") render_options.coding.bitrate = std::stoll(value);
-        if (name == "--tolerance") render_options.tolerance = tolerance_from(value);
-        if (name == "--loss") render_options.loss = std::stod(value);
-        if (name == "--samples") render_options.samples = std::stoi(value);
-        if (name == "--vpls") render_options.vpls = std::stoi(value);
-    }
-    // As in the printed command, so that --resume recognises it.
-    for (const char* looked_for : options_of_trials) render_options.said.erase(looked_for);
-    for (const auto& [name, value] : tuning_.options) render_options.said[name] = value;
+    // That printed, so that --resume goes on with it.
+    CommandLine line = parse(tuning_.command);
+    line.render.overwrite = true;  // that was settled before anything was tried
+    line.render.quiet = quiet();
     Rendered rendered;
-    const int status = render_film(render_options, line_of(tuning_.command), &rendered);
+    const int status = render_film(line.render, line.text, &rendered);
     if (status == 0) look_at_film(rendered);
     return status;
 }
