@@ -6,14 +6,18 @@
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "app/experiments/comparison.h"
+#include "app/options/options.h"
 #include "pipeline/fixture.h"
 
 /// `render2mpeg compare`: coupled light and our encoder against rendering first and ffmpeg.
 namespace render2mpeg::test {
 namespace {
+
+using namespace std::string_literals;
 
 const std::string few_samples = " --size 48x32 --samples 1 --exposure 0 --sample 1x4 --references 2";
 
@@ -72,6 +76,19 @@ TEST(Compare, IsRefusedBeforeAnyWork) {
     refused("", " --quantisers 4", "two or more");
     refused("", " --quantiser 4", "--quantiser");
     refused("", " --json " + plain_film() + "/film.json", "it is an input");
+}
+
+TEST(Comparison, SaysQuantisersInTheScaleOfTheCodec) {
+    const app::Way ours{"coupled", "", "coupled", {}, {}};
+    EXPECT_EQ(app::choices_of(ours, encoder::Codec::mpeg2, 4).back(), std::pair("--quantiser"s, "4"s));
+    const app::Choices h264 = app::choices_of(ours, encoder::Codec::h264, 38);
+    EXPECT_EQ(app::parse({"render2mpeg", "render", "a.json", "-o", "a.mp4", h264.back().first, h264.back().second})
+                  .render.coding.crf,
+              38)
+        << "--quantiser has no 38";
+    app::Way ffmpeg = ours;
+    ffmpeg.ffmpeg.emplace();
+    EXPECT_EQ(app::choices_of(ffmpeg, encoder::Codec::h264, 38).back(), std::pair("--as"s, "y4m"s));
 }
 
 /// A way whose films need `factor` times the bytes and `pace` times the seconds of others for the same quality.

@@ -73,7 +73,7 @@ void check(const TrialOptions& options) {
         throw core::Error("running", "ffmpeg", "there is no such program; its package is called ffmpeg");
 }
 
-/// The size of each eye's pictures in small, even.
+/// The size of each eye's pictures in small.
 Size small_size(const RenderJob& film, const RenderOptions& render) {
     const Size whole{film.rendering.format.width, film.rendering.format.height};
     const auto own = film.animation->size.value_or(glm::ivec2(whole.width, whole.height));
@@ -84,8 +84,7 @@ Size small_size(const RenderJob& film, const RenderOptions& render) {
                         "another view in Cycles",
                         whole.width, whole.height, own.x, own.y));
     if (render.size || whole.width <= usual_width) return whole;
-    const auto even = [](double side) { return std::max(16, 2 * static_cast<int>(std::lround(0.5 * side))); };
-    return {usual_width, even(1.0 * usual_width * whole.height / whole.width)};
+    return scaled(whole, 1.0 * usual_width / whole.width, film.codec());
 }
 
 json order_of(const TrialOptions& options, const RenderJob& film, const std::vector<std::string>& words) {

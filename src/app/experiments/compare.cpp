@@ -225,16 +225,11 @@ void Comparing::settle(const std::vector<std::string>& words) {
     const Way& way = found_.ways[costs[*taken].way];
     const int quantiser = way.rows[row].quantiser;
     const encoder::Codec codec = film().coding.codec;
-    Choices options{{"--tolerance", way.tolerance}};
-    if (!way.ffmpeg) {
-        options.emplace_back("--quantiser", std::to_string(quantiser));
-        found_.render = line_of(render_command(words, options_.render.input, codec, options));
-        return;
-    }
-    options.insert(options.end(), {{"-o", "-"}, {"--as", "y4m"}});
-    found_.render = line_of(render_command(words, options_.render.input, codec, options)) + " | ffmpeg -i - -c:v " +
-                    way.ffmpeg->encoder + " " + options_of(*way.ffmpeg, quantiser, film().coding.gop) + " " +
-                    options_.render.input.stem().string() + std::string(encoder::facts_of(codec).usual_ending());
+    found_.render = line_of(render_command(words, options_.render.input, codec, choices_of(way, codec, quantiser)));
+    if (!way.ffmpeg) return;
+    found_.render += " | ffmpeg -i - -c:v " + way.ffmpeg->encoder + " " +
+                     options_of(*way.ffmpeg, quantiser, film().coding.gop) + " " +
+                     options_.render.input.stem().string() + std::string(encoder::facts_of(codec).usual_ending());
 }
 
 void Comparing::write(const std::vector<std::string>& words) const {

@@ -61,6 +61,15 @@ std::string row_name(const Way& way, const Trial& trial) {
     return fmt::format("{:<18} {:>2}", way.name, trial.quantiser);
 }
 
+Choices choices_of(const Way& way, encoder::Codec codec, int quantiser) {
+    Choices choices{{"--tolerance", way.tolerance}};
+    if (way.ffmpeg)
+        choices.insert(choices.end(), {{"-o", "-"}, {"--as", "y4m"}});
+    else
+        choices.emplace_back(codec == encoder::Codec::mpeg2 ? "--quantiser" : "--crf", std::to_string(quantiser));
+    return choices;
+}
+
 Difference difference_of(const Way& way, const Way& from) {
     const auto bytes = [](const Trial& t) { return t.bytes; };
     const auto seconds = [](const Trial& t) { return t.seconds + t.code_seconds; };

@@ -38,6 +38,10 @@ struct Comparison {
 };
 inline constexpr std::size_t coupled_way = 0, fixed_way = 1, usual_way = 2, strongest_way = 3;
 
+/// Options of `render` for a way's film, or for its pictures where ffmpeg codes them. `quantiser`: in the codec's
+/// scale.
+Choices choices_of(const Way& way, encoder::Codec codec, int quantiser);
+
 /// Pairs of ways: the first against the second.
 inline constexpr std::array<std::pair<std::size_t, std::size_t>, 4> held_against{
     {{coupled_way, usual_way}, {fixed_way, usual_way}, {coupled_way, strongest_way}, {fixed_way, strongest_way}}};
