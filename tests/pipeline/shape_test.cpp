@@ -7,6 +7,7 @@
 #include "app/job/render_job.h"
 #include "app/options/film.h"
 #include "app/options/mistakes.h"
+#include "app/options/option_text.h"
 #include "core/error.h"
 #include "encoder/cadence.h"
 #include "encoder/encoder.h"
@@ -34,7 +35,7 @@ ShapeWishes frames(Size size, const char* rate, std::optional<core::Rational> sh
 
 void expect_refused(const ShapeWishes& wishes, const char* preset, std::initializer_list<const char*> words) {
     try {
-        settle_shape(wishes, preset != nullptr ? &preset_from(preset) : nullptr);
+        settle_shape(wishes, preset != nullptr ? preset_from(preset) : nullptr);
         FAIL() << "not refused: " << *words.begin();
     } catch (const core::Error& error) {
         const std::string line = error.what();
@@ -105,7 +106,7 @@ TEST(Shape, OnlyMpeg2HasButFour) {
 
 TEST(Shape, APresetTakesTheNearestOfItsRatesAndShapesForAScene) {
     const auto settled = [](const char* preset, const ShapeWishes& wishes) {
-        return settle_shape(wishes, &preset_from(preset));
+        return settle_shape(wishes, preset_from(preset));
     };
     const Shape pal = settled("dvd-pal", scene(Size{1280, 720}, "60", core::Rational{1280, 720}));
     EXPECT_EQ(pal.size.width, 720);
@@ -150,17 +151,17 @@ TEST(Shape, WhatContradictsAPresetIsRefusedByOneLineThatNamesBoth) {
     expect_refused(frames({720, 576}, "24", core::Rational{16, 9}), "dvd-pal", {"frames.y4m", "24", "--for dvd-pal"});
     expect_refused(frames({720, 576}, "25"), "dvd-pal", {"frames.y4m", "--for dvd-pal", "--display-aspect"});
     expect_refused(frames({720, 576}, "25", core::Rational{5, 4}), "dvd-pal", {"5:4", "--for dvd-pal"});
-    EXPECT_EQ(settle_shape(frames({720, 576}, "25", core::Rational{4, 3}), &preset_from("dvd-pal")).aspect_ratio_code,
+    EXPECT_EQ(settle_shape(frames({720, 576}, "25", core::Rational{4, 3}), preset_from("dvd-pal")).aspect_ratio_code,
               2);
-    EXPECT_EQ(settle_shape(frames({1280, 720}, nullptr), &preset_from("atsc")).aspect_ratio_code, 3);
+    EXPECT_EQ(settle_shape(frames({1280, 720}, nullptr), preset_from("atsc")).aspect_ratio_code, 3);
 }
 
 TEST(Preset, GopsStayWithinTheirFields) {
     CodingOptions options;
     const auto coding = [&](const char* preset, const char* rate) {
-        options.preset = preset;
+        options.preset = preset_from(preset);
         ShapeWishes wishes = scene({}, rate);
-        const encoder::Settings s = coding_settings(options, settle_shape(wishes, &preset_from(preset)), 0, {});
+        const encoder::Settings s = coding_settings(options, settle_shape(wishes, preset_from(preset)), 0, {});
         EXPECT_NO_THROW(encoder::check(s));
         return s;
     };
@@ -215,11 +216,11 @@ TEST(Gops, AreLongWhereNobodySaysAndChunksAreNoLongerForIt) {
 
 TEST(Preset, TakesTheContainersOfItsWorld) {
     for (const char* good : {"a.mpg", "a.VOB", "a.m2v", "a.y4m", "f.%04d.exr", ""})
-        EXPECT_NO_THROW(preset_from("dvd-pal").check_output(good)) << good;
+        EXPECT_NO_THROW(preset_from("dvd-pal")->check_output(good)) << good;
     for (const char* bad : {"a.ts", "a.mkv", "a.mp4"})
-        EXPECT_THROW(preset_from("dvd-pal").check_output(bad), core::Error) << bad;
-    EXPECT_NO_THROW(preset_from("atsc").check_output("a.ts"));
-    EXPECT_THROW(preset_from("atsc").check_output("a.mpg"), core::Error);
+        EXPECT_THROW(preset_from("dvd-pal")->check_output(bad), core::Error) << bad;
+    EXPECT_NO_THROW(preset_from("atsc")->check_output("a.ts"));
+    EXPECT_THROW(preset_from("atsc")->check_output("a.mpg"), core::Error);
     EXPECT_THROW(preset_from("vcd"), core::Error);
 }
 
@@ -290,7 +291,7 @@ TEST(Sizes, OfDraftsAreThoseThatTheirCodecTakes) {
         RenderOptions options;
         options.input = folder / "film.json";
         options.preview = true;
-        options.coding.codec = codec;
+        options.coding.codec = codec_from(codec);
         options.output = output;
         const RenderJob film = prepare(options);
         EXPECT_EQ(film.size().width, right.width) << codec;

@@ -140,7 +140,7 @@ Job prepare(const EncodeOptions& options) {
     const FilmSignals signals{{}, view, chroma_of(codec, view), alpha, even_sides};
     job.frames = open_frames(options.input, options.exposure, options.frames, signals, shared);
     encoder::Settings& coding = job.film.coding;
-    const Preset* preset = preset_of(options.coding);
+    const Preset* preset = options.coding.preset;
     if (preset != nullptr) preset->check_output(options.output);
     job.film.frames = job.frames->frames();
     coding = coding_settings(options.coding, settle_shape(wishes_of(options, *job.frames), preset),

@@ -31,7 +31,8 @@ void check_stream(const RenderOptions& options) {
     if (options.light_cache) refuse("--light-cache", "no light is kept; render to a file");
     if (options.layers) refuse("--aov", "only the film is written; render to a file for layers");
     if (!options.side_films.empty())
-        refuse(options.also.empty() ? "--heatmap" : "--also", "only the film is written; render to a file for others");
+        refuse(options.is_given("--also") ? "--also" : "--heatmap",
+               "only the film is written; render to a file for others");
     if (!options.dry_run) check_pipe(STDOUT_FILENO);
 }
 

@@ -291,8 +291,7 @@ int watch(const RenderOptions& options, const std::string& command) {
     if (options.live) return watch_live(options);
     if (options.output.empty()) {
         if (codec_of(options.coding, {}) != encoder::Codec::mpeg2)
-            throw UsageError("--codec " + *options.coding.codec +
-                             ": a player is sent bare MPEG-2; watch into a file, -o");
+            throw UsageError(options.as_said("--codec") + ": a player is sent bare MPEG-2; watch into a file, -o");
         Player::check(options.player);
         return watch_in_player(options);
     }

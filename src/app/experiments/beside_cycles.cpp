@@ -250,7 +250,7 @@ int compare_beside_cycles(const TrialOptions& options, const std::vector<std::st
     const parallel::ThreadLimit threads(options.render.threads);
     const InterruptGuard guard(options.render.quiet);
     TrialOptions told = options;
-    if (!told.render.coding.codec) told.render.coding.codec = "h264";
+    if (!told.render.coding.codec) told.render.coding.codec = encoder::Codec::h264;
     const RenderJob film = prepare_trials(told.render, told);
     json order = order_of(told, film, words);
     json found = InterruptGuard::requested() ? json() : found_by_blender(order);

@@ -202,8 +202,8 @@ RenderOptions part_options(const FarmPlan& plan, const FilmPart& part, const Ren
     if (options.report) options.report = folder / "report.html";
     if (options.layers) options.layers = folder / "layers";
     for (std::size_t i = 0; i < options.side_films.size(); ++i) {
-        std::string& name = options.side_films[i].second;
-        name = (folder / fmt::format("beside_{}{}", i + 1, std::filesystem::path(name).extension().string())).string();
+        std::filesystem::path& file = options.side_films[i].file;
+        file = folder / fmt::format("beside_{}{}", i + 1, file.extension().string());
     }
     options.resume = true;
     options.overwrite = true;

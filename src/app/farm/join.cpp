@@ -39,7 +39,7 @@ RenderOptions moved_into(const std::filesystem::path& folder, const RenderOption
     if (options.stats) moved.stats = folder / options.stats->filename();
     if (options.report) moved.report = folder / options.report->filename();
     if (options.layers) moved.layers = folder / options.layers->lexically_normal().filename();
-    for (auto& [subject, name] : moved.side_films) name = (folder / std::filesystem::path(name).filename()).string();
+    for (SideFilmRequest& beside : moved.side_films) beside.file = folder / beside.file.filename();
     return moved;
 }
 

@@ -17,7 +17,6 @@
 
 #include "app/files/file_io.h"
 #include "app/files/work_folder.h"
-#include "app/options/option_text.h"
 #include "app/options/output_kind.h"
 #include "app/production/resume.h"
 #include "app/system/interrupt.h"
@@ -230,11 +229,16 @@ std::vector<std::string> take_pieces(const FarmPlan& plan, std::span<const FilmP
 
 PieceSender::PieceSender(const FarmPlan& plan, const FilmPart& part, const RenderJob& film,
                          const RenderOptions& options, const PartOptions& wish)
-    : plan_(plan), part_(part), film_(film), options_(options), folder_(*wish.pieces), from_(wish.from) {
+    : plan_(plan),
+      part_(part),
+      film_(film),
+      options_(options),
+      folder_(*wish.pieces),
+      from_(wish.from),
+      command_(wish.after_chunk) {
     std::error_code error;
     std::filesystem::create_directories(folder_, error);
     if (error) throw core::Error("writing", folder_.string(), error.message());
-    if (wish.after_chunk) command_ = command_from(*wish.after_chunk);
 }
 
 void PieceSender::begin(const std::vector<ChunkFile>& earlier) {

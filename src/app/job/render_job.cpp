@@ -123,7 +123,7 @@ ShapeWishes wishes_of(const RenderOptions& options, const scene::Animation& anim
     if (std::isfinite(framed) && framed > 0.01f && framed < 100)
         wishes.framed = core::Rational{std::lround(framed * 1000), 1000};
     // A preset takes the shape nearest to the scene's size or camera.
-    if (options.coding.preset && !wishes.source_display_aspect) {
+    if (options.coding.preset != nullptr && !wishes.source_display_aspect) {
         if (animation.size)
             wishes.source_display_aspect = core::Rational{animation.size->x, animation.size->y};
         else
@@ -140,9 +140,8 @@ void settle_display(RenderJob& film, const RenderOptions& options) {
     film.exposure = exposure_of(options, *film.animation);
     film.measures_exposure = !film.exposure;
     film.view = view_of(options, film.animation->view.value_or(core::View()));
-    const bool beside = std::ranges::any_of(options.side_films, [](const auto& other) {
-        const std::optional<ViewAndCodec> named = view_and_codec(other.first);
-        return named && named->view.name == core::ViewName::pq;
+    const bool beside = std::ranges::any_of(options.side_films, [](const SideFilmRequest& other) {
+        return other.view && other.view->view.name == core::ViewName::pq;
     });
     if (!beside) check_peak(options, film.view);
     if (film.view.is_hdr() && film.kind == OutputKind::y4m)
@@ -156,8 +155,8 @@ void decide_passes(RenderJob& film, const RenderOptions& options) {
     wanted.developed = film.kind == OutputKind::y4m || film.kind == OutputKind::png;
     wanted.layers = options.layers.has_value();
     // Heatmaps of cuts, errors and records need layers.
-    for (const auto& [subject, file] : options.side_films)
-        wanted.layers = wanted.layers || (subject != "tolerance" && subject != "quantiser" && !view_and_codec(subject));
+    for (const auto& [subject, file, view] : options.side_films)
+        wanted.layers = wanted.layers || (subject != "tolerance" && subject != "quantiser" && !view);
     wanted.indirect = options.vpls > 0;
     wanted.by_rays = options.indirect == "rays" && !film.preview;
     wanted.caustics = options.caustics == "on";
@@ -176,8 +175,8 @@ void refuse_beside_truth(const RenderJob& film, const RenderOptions& options) {
     if (film.plan.runs(renderer::Pass::shutter)) refuse("--shutter", "every frame is an instant; say --shutter 0");
     if (film.plan.runs(renderer::Pass::lens)) refuse("--f-stop", "all is in focus; say --f-stop off");
     if (options.audit > 0) refuse("--audit", "there is nothing truer to hold the picture against");
-    for (const auto& [subject, file] : options.side_films)
-        if (subject != "quantiser" && subject != "error" && !view_and_codec(subject))
+    for (const auto& [subject, file, view] : options.side_films)
+        if (subject != "quantiser" && subject != "error" && !view)
             refuse("--heatmap " + subject, "there are neither cuts nor records");
 }
 
@@ -222,9 +221,8 @@ namespace {
 
 /// Whether a film beside the film has alpha.
 bool has_alpha_beside(const RenderJob& film, const RenderOptions& options) {
-    return film.is_transparent() && std::ranges::any_of(options.side_films, [](const auto& beside) {
-               const std::optional<ViewAndCodec> other = view_and_codec(beside.first);
-               return other && encoder::facts_of(other->codec_in(beside.second)).has_alpha();
+    return film.is_transparent() && std::ranges::any_of(options.side_films, [](const SideFilmRequest& beside) {
+               return beside.view && encoder::facts_of(beside.view->codec_in(beside.file)).has_alpha();
            });
 }
 
@@ -308,7 +306,7 @@ void settle_tolerance(RenderJob& film, const RenderOptions& options) {
 
 /// The shape of one eye's pictures; of drafts they are of half the size, or the least that their codec takes.
 Shape shape_of_eye(const RenderJob& film, const RenderOptions& options, scene::Animation& animation) {
-    const Preset* preset = preset_of(options.coding);
+    const Preset* preset = options.coding.preset;
     if (preset != nullptr) preset->check_output(options.output);
     ShapeWishes wishes = wishes_of(options, animation);
     Shape shape = settle_shape(wishes, preset);
@@ -390,7 +388,7 @@ RenderJob prepare(const RenderOptions& wanted) {
     film.rendering.mattes = options.layers || film.has_alpha() || has_alpha_beside(film, options);
     film.keyframes = keyframes_of(options.coding);
     film.two_passes = film.kind == OutputKind::film && two_passes(options.coding);
-    film.disc = options.coding.preset && preset_of(options.coding)->disc;
+    film.disc = options.coding.preset != nullptr && options.coding.preset->disc;
     film.sound = sound_of(options.coding, animation->sound, options.output, film.frames, film.rate);
     if (film.kind == OutputKind::film) check_settings(film.coding);
     settle_edges(film, options);
@@ -452,7 +450,7 @@ av::Sound sound_of(const CodingOptions& options, const std::optional<std::filesy
     av::Sound sound;
     sound.file = options.audio ? std::filesystem::path(*options.audio) : *scenes;
     sound.offset = options.audio_offset - static_cast<double>(frames.first) / rate.hertz.value();
-    sound.ac3 = options.preset.has_value();
+    sound.ac3 = options.preset != nullptr;
     sound.channels = probe_sound(sound.file);
     return sound;
 }

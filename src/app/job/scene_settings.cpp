@@ -132,7 +132,7 @@ scene::DefaultLight light_of(const std::string& word) {
 
 /// Last frame that a film is asked for, where its frames surely count at the file's own rate.
 std::optional<std::int64_t> last_frame_of(const RenderOptions& options) {
-    if (!options.frames || options.rate || options.coding.preset) return std::nullopt;
+    if (!options.frames || options.rate || options.coding.preset != nullptr) return std::nullopt;
     return options.frames->last;
 }
 
@@ -176,9 +176,9 @@ void check_packing(core::FramePacking packing, const std::string& who, Size of_e
     if ((across ? of_eye.width : of_eye.height) % 2 != 0)
         throw UsageError(fmt::format("{}: {}x{} for each eye: take an even {}, so that no sample of colour is of both",
                                      who, of_eye.width, of_eye.height, across ? "width" : "height"));
-    if (options.coding.preset)
-        throw UsageError(fmt::format("{}: the pictures of --for {} are for one eye; leave one of both out", who,
-                                     *options.coding.preset));
+    if (options.coding.preset != nullptr)
+        throw UsageError(fmt::format("{}: the pictures of {} are for one eye; leave one of both out", who,
+                                     options.coding.preset->option()));
 }
 
 }  // namespace
@@ -222,8 +222,8 @@ void tell_silent(scene::Animation& animation, const RenderOptions& options, cons
             animation.notes.push_back(fmt::format("{}: such files {}", file.string(), what));
     };
     if (!options.output.empty()) tell(options.output, codec_of(options.coding, options.output));
-    for (const auto& [subject, file] : options.side_films)
-        if (const auto named = view_and_codec(subject)) tell(file, named->codec_in(file));
+    for (const auto& [subject, file, view] : options.side_films)
+        if (view) tell(file, view->codec_in(file));
 }
 
 encoder::SphereBounds bounds_of(const scene::SphereWindow& window) {

@@ -76,8 +76,8 @@ RenderOptions preview_options(const RenderOptions& options) {
     if (options.layers) refuse_preview(options, "--aov", "there are no layers");
     if (options.cache == "on")
         refuse_preview(options, "--cache on", "light is carried by pixels, not kept on surfaces");
-    for (const auto& [subject, file] : options.side_films)
-        if (subject != "quantiser" && !view_and_codec(subject))
+    for (const auto& [subject, file, view] : options.side_films)
+        if (subject != "quantiser" && !view)
             refuse_preview(options, "--heatmap " + subject, "only `quantiser` is known");
 
     // fit: docs/measurements.md#drafts, by PSNR for CPU time.
@@ -290,31 +290,22 @@ Keyframes keyframes_from(const std::string& text) {
     return keyframes;
 }
 
-const Preset* preset_of(const CodingOptions& options) {
-    return options.preset ? &preset_from(*options.preset) : nullptr;
-}
-
 Keyframes keyframes_of(const CodingOptions& options) {
     return options.keyframes ? keyframes_from(*options.keyframes) : Keyframes{};
 }
 
 encoder::Codec codec_of(const CodingOptions& options, const std::filesystem::path& output) {
     const std::string ending = core::ending_of(output);
-    encoder::Codec codec = encoder::Codec::mpeg2;
-    if (options.codec) {
-        const std::string word = *options.codec == "h265" ? "hevc" : *options.codec;
-        for (const encoder::CodecFacts& facts : encoder::all_codecs)
-            if (word == facts.word) codec = facts.codec;
-    } else if (!options.preset && (ending == ".mp4" || ending == ".mov" || ending == ".mkv")) {
-        codec = encoder::Codec::h264;
-    } else if (!options.preset && ending == ".webm") {
-        codec = encoder::Codec::vp9;
-    } else if (!options.preset && ending == ".gif") {
-        codec = encoder::Codec::gif;
+    if (options.preset != nullptr) {
+        if (options.codec.value_or(encoder::Codec::mpeg2) != encoder::Codec::mpeg2)
+            throw UsageError(fmt::format("--codec {}: {} is MPEG-2's world", encoder::facts_of(*options.codec).word,
+                                         options.preset->option()));
+        return encoder::Codec::mpeg2;
     }
-    if (options.preset && codec != encoder::Codec::mpeg2)
-        throw UsageError("--codec " + *options.codec + ": --for " + *options.preset + " is MPEG-2's world");
-    return codec;
+    if (options.codec) return *options.codec;
+    if (ending == ".mp4" || ending == ".mov" || ending == ".mkv") return encoder::Codec::h264;
+    if (ending == ".webm") return encoder::Codec::vp9;
+    return ending == ".gif" ? encoder::Codec::gif : encoder::Codec::mpeg2;
 }
 
 std::vector<int> in_scale_of(encoder::Codec codec, std::vector<int> quantisers) {
@@ -332,16 +323,20 @@ void check_peak(const FilmOptions& options, const core::View& view) {
     if (options.peak && view.name != core::ViewName::pq) throw UsageError("--peak: goes with --view pq");
 }
 
-std::optional<ViewAndCodec> view_and_codec(const std::string& word) {
+ViewAndCodec view_and_codec_from(const std::string& word) {
     const std::size_t colon = word.find(':');
-    const std::string view = word.substr(0, colon);
-    if (std::ranges::find(core::view_names, view) == core::view_names.end()) return {};
-    ViewAndCodec result{{core::view_from(view)}, {}};
+    ViewAndCodec result;
+    try {
+        result.view.name = core::view_from(word.substr(0, colon));
+    } catch (const core::Error& error) {
+        throw UsageError("--also: " + std::string(error.what()));
+    }
     if (colon == std::string::npos) return result;
-    const std::string codec = word.substr(colon + 1);
-    const auto known = std::ranges::find(encoder::all_codecs, codec, &encoder::CodecFacts::word);
-    if (known == encoder::all_codecs.end()) throw UsageError("--also " + word + ": " + codec + " is no codec");
-    result.codec = known->codec;
+    try {
+        result.codec = codec_from(word.substr(colon + 1));
+    } catch (const core::Error& error) {
+        throw UsageError("--also " + word + ": " + error.what());
+    }
     return result;
 }
 
@@ -389,7 +384,7 @@ encoder::Settings coding_settings(const CodingOptions& options, const Shape& sha
                                   const std::filesystem::path& output, const core::View& view) {
     encoder::Settings coding;
     coding.codec = codec_of(options, output);
-    if (!options.codec && preset_of(options) == nullptr) coding.codec = ViewAndCodec{view, {}}.codec_in(output);
+    if (!options.codec && options.preset == nullptr) coding.codec = ViewAndCodec{view, {}}.codec_in(output);
     coding.width = shape.size.width;
     coding.height = shape.size.height;
     coding.rate = shape.rate;
@@ -415,7 +410,7 @@ encoder::Settings coding_settings(const CodingOptions& options, const Shape& sha
     coding.aspect_ratio_code = shape.aspect_ratio_code;
     coding.matrix_coefficients = static_cast<int>(perceptual::matrix_for(shape.size.height));
     if (output.empty() || av::is_film(output)) declare_colors(coding, view);
-    if (const Preset* preset = preset_of(options)) apply(*preset, options, coding);
+    if (options.preset != nullptr) apply(*options.preset, options, coding);
     if (av::is_film(output)) coding.labels = labels_of(options, coding, output);
     return coding;
 }

@@ -89,9 +89,6 @@ struct Film {
     }
 };
 
-/// Null without --for.
-const Preset* preset_of(const CodingOptions& options);
-
 /// Codec by option, else by ending: H.264 for .mp4, .mov and .mkv, VP9 for .webm, GIF for .gif, else MPEG-2. Throws
 /// UsageError where a preset does not have it.
 encoder::Codec codec_of(const CodingOptions& options, const std::filesystem::path& output);
@@ -104,17 +101,8 @@ bool two_passes(const CodingOptions& options);
 /// MPEG-2's quantisers in a codec's own scale.
 std::vector<int> in_scale_of(encoder::Codec codec, std::vector<int> quantisers);
 
-/// A film of `--also`: "pq", "neutral:prores".
-struct ViewAndCodec {
-    core::View view;
-    std::optional<encoder::Codec>
-        codec;  ///< none: by the file's ending, HEVC for high dynamic range where that has 8 bits
-
-    encoder::Codec codec_in(const std::filesystem::path& output) const;
-};
-
-/// None where the word names no view. Throws UsageError for a codec that is none.
-std::optional<ViewAndCodec> view_and_codec(const std::string& word);
+/// Throws UsageError for a view or a codec that is none.
+ViewAndCodec view_and_codec_from(const std::string& word);
 
 /// Encoder settings for this shape; `first` frame, `output` may be empty. Throws core::Error where an option
 /// contradicts preset or codec, UsageError where a film in this view does.

@@ -244,7 +244,7 @@ Rows coding_rows(CommandLine& line) {
     static const std::string codecs = words_of_codecs() + "|h265", gop = std::to_string(usual_gop);
     static const std::string presets = fmt::format("{}", fmt::join(preset_names(), "|"));
     return {
-        {"--for", coding, &o.preset,
+        {"--for", coding, into<preset_from>(o.preset),
          "Where the film goes: dvd-ntsc, dvd-pal or atsc. Sets size, rate, shape, GOPs, rates and buffer "
          "(docs/coding.md); options that contradict are refused",
          Words{presets.c_str()}},
@@ -252,7 +252,7 @@ Rows coding_rows(CommandLine& line) {
          "quantiser_scale_code of P pictures: 1 is the finest, 31 the coarsest; what many pictures follow from\nis a "
          "little finer, B pictures are coarser. Other codecs code to about the same quality",
          range(1, 31), ShownAs{"4"}, Idle::uncoded},
-        {"--codec", coding, &o.codec,
+        {"--codec", coding, into<codec_from>(o.codec),
          "mpeg2, h264, hevc, av1, vp9 (default: h264 in .mp4, .mov, .mkv, vp9 in .webm, else mpeg2); for editors "
          "prores, dnxhr, ffv1 ...",
          "CODEC", Words{codecs.c_str()}, Idle::uncoded},
@@ -325,11 +325,11 @@ Rows product_rows(CommandLine& line) {
          "Show the frame lit last in this picture, in place of the one before, once a second", "FILE.png"},
         {"--aov", run, &o.layers, "Write one multilayer OpenEXR per frame into this folder (docs/pictures.md)", "DIR"},
         {"--aov@plan", run, &o.layers, "Folder of multilayer OpenEXR files", "DIR"},
-        {"--also", run, &o.also,
+        {"--also", run, &line.also,
          "Write another film of the same light, in a view of its own (--view), by a codec or as its ending says, HEVC "
          "for pq and hlg: one for the web, one for editors, one of high dynamic range; may be given several times",
          TwoWords(), "VIEW[:CODEC] FILE", Idle::always},
-        {"--heatmap", run, &o.side_films,
+        {"--heatmap", run, &line.heatmaps,
          "Write a film in false colours beside: what each pixel's light may be off by (`tolerance`), clusters (`cut`), "
          "the standard error of its light (`error`), each macroblock's `quantiser`, or, where `--cache` keeps light, "
          "how many `records` lie in each pixel, the `age` of its light in frames, and its `reuse`, the share of its "
@@ -458,10 +458,10 @@ Rows farm_rows(CommandLine& line) {
          "Write each finished chunk into this folder, too, as a file with checksums, from which `join --from` takes "
          "it: for machines that share no folder. Needs no locks; chunks that lie there are not made again",
          "DIR"},
-        {"--after-chunk", run, &line.part.after_chunk,
+        {"--after-chunk", run, into<command_from>(line.part.after_chunk),
          "Run this after each chunk's file, e.g. 'rclone copy {} remote:film/', with the file's name for {} or behind: "
          "no shell reads it. What fails is tried again, at the end thrice; then the exit status is 1",
-         "COMMAND", reads<command_from>, With{"--into"}},
+         "COMMAND", With{"--into"}},
         {"--from", run, &line.part.pieces,
          "Take chunks that `part --into` wrote from this folder and those in it, in any order", "DIR"},
         {"--into", run, &line.part.folder,

@@ -306,6 +306,13 @@ double within_from(const std::string& text) {
     return text == "0" ? 0 : time_in_seconds(text);
 }
 
+encoder::Codec codec_from(const std::string& text) {
+    const std::string word = text == "h265" ? "hevc" : text;
+    const auto known = std::ranges::find(encoder::all_codecs, word, &encoder::CodecFacts::word);
+    if (known == encoder::all_codecs.end()) throw UsageError(text + " is no codec");
+    return known->codec;
+}
+
 std::string words_of_codecs() {
     std::vector<std::string_view> words;
     for (const encoder::CodecFacts& facts : encoder::all_codecs) words.emplace_back(facts.word);

@@ -53,6 +53,8 @@ double time_in_seconds(const std::string& text);
 /// The same, or 0.
 double within_from(const std::string& text);
 
+/// By its name, or as h265.
+encoder::Codec codec_from(const std::string& text);
 /// Names of all codecs, parted by `|`.
 std::string words_of_codecs();
 

@@ -360,16 +360,9 @@ CommandLine parse(const std::vector<std::string>& words) {
     const CLI::App& given = *app.get_subcommands().front();
     line.command = given.get_name();
     line.render.said = said_of(given);
-    for (const auto& film : line.render.also) {
-        if (!view_and_codec(film.first)) {
-            try {
-                core::view_from(film.first);
-            } catch (const core::Error& error) {
-                throw UsageError("--also: " + std::string(error.what()));
-            }
-        }
-        line.render.side_films.push_back(film);
-    }
+    for (const auto& [subject, file] : line.heatmaps) line.render.side_films.push_back({subject, file, {}});
+    for (const auto& [subject, file] : line.also)
+        line.render.side_films.push_back({subject, file, view_and_codec_from(subject)});
     // Parts run without a terminal.
     if (line.command == "part" && given.get_option("--progress")->empty()) line.progress = "minute";
     hand_on(line);

@@ -14,6 +14,7 @@
 #include "core/isa.h"
 #include "core/rational.h"
 #include "core/view.h"
+#include "encoder/types.h"
 
 namespace render2mpeg::app {
 
@@ -71,9 +72,13 @@ inline constexpr int usual_gop = 60;
 
 // Members of options are what their rows in option_table.cpp say; texts are as option_text.h reads them.
 
+struct Preset;
+
 /// Coding options of `render` and `encode`.
 struct CodingOptions {
-    std::optional<std::string> codec, preset, keyframes, audio, title, timecode;
+    std::optional<encoder::Codec> codec;
+    const Preset* preset = nullptr;  ///< of --for (shape.h); null: none
+    std::optional<std::string> keyframes, audio, title, timecode;
     std::optional<int> level;                           ///< ten times its number
     std::optional<std::int64_t> bitrate, maxrate, vbv;  ///< bits per second; bits
     std::optional<core::Rational> display_aspect, pixel_aspect;
@@ -104,6 +109,22 @@ struct FilmOptions {
     bool is_given(const std::string& name) const { return said.contains(name); }
     /// "--size 640x360", as it was given; the name alone where it was not.
     std::string as_said(const std::string& name) const { return is_given(name) ? name + " " + said.at(name) : name; }
+};
+
+/// A film of `--also`: "pq", "neutral:prores".
+struct ViewAndCodec {
+    core::View view;
+    std::optional<encoder::Codec>
+        codec;  ///< none: by the file's ending, HEVC for high dynamic range where that has 8 bits
+
+    encoder::Codec codec_in(const std::filesystem::path& output) const;
+};
+
+/// A film that is to be written beside the film.
+struct SideFilmRequest {
+    std::string subject;  ///< as it was given
+    std::filesystem::path file;
+    std::optional<ViewAndCodec> view;  ///< none: a heatmap of the subject
 };
 
 /// In any currency.
@@ -139,9 +160,7 @@ struct RenderOptions : FilmOptions {
                 light = "studio", player;
     double within = 10;  ///< seconds
     std::optional<std::filesystem::path> light_cache, report, layers, last_frame;
-    /// Films beside the film: what a heatmap is about, or a view; and its file.
-    std::vector<std::pair<std::string, std::string>> side_films;
-    std::vector<std::pair<std::string, std::string>> also;  ///< of these, as said; `side_films` has them
+    std::vector<SideFilmRequest> side_films;
     bool preview = false, dry_run = false, resume = false, hold = false, verbose = false, live = false;
     Hire hire;
     std::string limits = "none";  ///< `blender`: a .blend's limits of bounces hold
@@ -191,9 +210,9 @@ struct FarmOptions {
 /// Options of `part`, `join` and `farm-status`.
 struct PartOptions {
     std::filesystem::path plan;
-    int number = 0;                       ///< of `part`, from 1
-    std::optional<std::uint64_t> memory;  ///< bytes
-    std::optional<std::string> after_chunk;
+    int number = 0;                        ///< of `part`, from 1
+    std::optional<std::uint64_t> memory;   ///< bytes
+    std::vector<std::string> after_chunk;  ///< words; none: chunks stay
     std::optional<Price> price;
     std::optional<std::filesystem::path> folder;  ///< of the film
     std::optional<std::filesystem::path> pieces;  ///< their folder
@@ -211,7 +230,8 @@ struct CommandLine {
     TrialOptions trial;
     FarmOptions farm;
     PartOptions part;
-    std::string progress = "line";  ///< "line", "minute", "json", "openjd" or "none"
+    std::vector<std::pair<std::string, std::string>> heatmaps, also;  ///< words of `render.side_films`
+    std::string progress = "line";                                    ///< "line", "minute", "json", "openjd" or "none"
     std::optional<int> exit_code;
     std::string text;                ///< as given, for the statistics
     std::vector<std::string> words;  ///< the same, one by one

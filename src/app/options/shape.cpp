@@ -247,9 +247,9 @@ std::vector<std::string> preset_names() {
     return names;
 }
 
-const Preset& preset_from(const std::string& name) {
+const Preset* preset_from(const std::string& name) {
     for (const Preset& preset : presets())
-        if (preset.name == name) return preset;
+        if (preset.name == name) return &preset;
     throw UsageError(fmt::format("--for {}: there are {}", name, fmt::join(preset_names(), ", ")));
 }
 

@@ -56,8 +56,8 @@ Size scaled(const Size& whole, double wished, std::optional<encoder::Codec> code
 
 std::vector<std::string> preset_names();
 
-/// Throws core::Error with the list of names.
-const Preset& preset_from(const std::string& name);
+/// Never null. Throws core::Error with the list of names.
+const Preset* preset_from(const std::string& name);
 
 struct Shape {
     Size size;

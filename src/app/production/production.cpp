@@ -141,7 +141,7 @@ void check_before_reading(const RenderOptions& options) {
     const OutputKind kind = kind_of(options.output);
     Wishes wishes;
     if (is_one_file(kind)) wishes.dear.emplace_back(options.output);
-    for (const auto& [subject, file] : options.side_films) wishes.dear.emplace_back(file);
+    for (const SideFilmRequest& beside : options.side_films) wishes.dear.emplace_back(beside.file);
     for (const Files& film : wishes.dear) check_reachable(film.name);
     for (const auto& file : {options.stats, options.report, options.last_frame, options.light_cache})
         if (file) check_reachable(*file);
@@ -163,7 +163,7 @@ Files film_files(const RenderJob& film, const RenderOptions& options) {
 std::vector<Files> outputs_of(const RenderJob& film, const RenderOptions& options) {
     std::vector<Files> outputs{film_files(film, options), options.stats.value_or(""), options.last_frame.value_or(""),
                                options.light_cache.value_or("")};
-    for (const auto& [subject, file] : options.side_films) outputs.emplace_back(file);
+    for (const SideFilmRequest& beside : options.side_films) outputs.emplace_back(beside.file);
     if (options.report) {
         outputs.emplace_back(*options.report);
         outputs.emplace_back(report_json_of(*options.report));
@@ -180,10 +180,8 @@ void open_writers(const RenderJob& film, const RenderOptions& options) {
     if (film.kind == OutputKind::film)
         av::check_film(options.output, film.coding.codec, film.sound,
                        film.disc ? av::ProgramStream::dvd : av::ProgramStream::plain);
-    for (const auto& [subject, file] : options.side_films) {
-        const std::optional<ViewAndCodec> other = view_and_codec(subject);
-        av::check_film(file, other ? other->codec_in(file) : codec_of({}, file));
-    }
+    for (const auto& [subject, file, view] : options.side_films)
+        av::check_film(file, view ? view->codec_in(file) : codec_of({}, file));
     if (film.kind == OutputKind::png || options.last_frame || options.report) image::open_writer(".png");
     if (film.kind == OutputKind::exr || options.layers) image::open_writer(".exr");
 }
@@ -203,7 +201,7 @@ void check_outputs(const RenderJob& film, const RenderOptions& options) {
 Wishes written_by(const RenderJob& film, const RenderOptions& options) {
     Wishes wishes;
     wishes.dear.push_back(film_files(film, options));
-    for (const auto& [subject, file] : options.side_films) wishes.dear.emplace_back(file);
+    for (const SideFilmRequest& beside : options.side_films) wishes.dear.emplace_back(beside.file);
     if (options.stats) wishes.dear.emplace_back(*options.stats);
     wishes.beside.push_back(options.report.value_or(""));
     // This folder is made, but not those that it is in.

@@ -98,9 +98,9 @@ std::pair<std::filesystem::path, std::string> mark_of(const RenderJob& film, con
     std::vector<std::filesystem::path> files = images_of(film, options, film.frames);
     if (is_one_file(film.kind)) files.insert(files.begin(), options.output);
     std::string text = json_text(identity);
-    for (const auto& [subject, file] : options.side_films) {
-        files.emplace_back(file);
-        text += subject + "\n";
+    for (const SideFilmRequest& beside : options.side_films) {
+        files.push_back(beside.file);
+        text += beside.subject + "\n";
     }
     for (const auto& file : {options.stats, options.report})
         if (file) files.push_back(*file);

@@ -89,28 +89,29 @@ void SideFilm::discard() {
 }
 
 void check_side_films(const RenderOptions& options, const RenderJob& film) {
-    for (const auto& [word, output] : options.side_films) {
-        const std::optional<HeatSubject> heat = heat_subject_of(word);
-        if (!heat && !view_and_codec(word))
-            throw UsageError("--heatmap " + word +
+    for (const auto& [subject, file, view] : options.side_films) {
+        const std::optional<HeatSubject> heat = heat_subject_of(subject);
+        if (!heat && !view)
+            throw UsageError("--heatmap " + subject +
                              ": expected tolerance, cut, error, quantiser, records, age or reuse");
-        if (kind_of(output) != OutputKind::film)
+        if (kind_of(file) != OutputKind::film)
             throw core::Error(fmt::format("{} {}: {} is no film; choose an ending such as {}",
-                                          heat ? "heatmap" : "also", word, output, heat ? ".mpg" : ".mp4"));
-        if (heat)
-            check_heatmap(*heat, output, film);
+                                          view ? "also" : "heatmap", subject, file.string(), view ? ".mp4" : ".mpg"));
+        if (view)
+            check_view_film({subject, file, view}, film);
         else
-            check_view_film(word, output, film);
-        WorkFolder::check(output);
+            check_heatmap(*heat, file, film);
+        WorkFolder::check(file);
     }
 }
 
 SideFilms::SideFilms(const RenderOptions& options, const RenderJob& film, WorkFolder& work) {
-    for (const auto& [word, output] : options.side_films) {
-        if (const std::optional<HeatSubject> heat = heat_subject_of(word))
-            films_.push_back(std::make_unique<HeatmapFilm>(*heat, output, film, work));
+    for (const SideFilmRequest& beside : options.side_films) {
+        if (beside.view)
+            films_.push_back(std::make_unique<ViewFilm>(beside, film, work));
         else
-            films_.push_back(std::make_unique<ViewFilm>(word, output, film, work));
+            films_.push_back(
+                std::make_unique<HeatmapFilm>(heat_subject_of(beside.subject).value(), beside.file, film, work));
     }
 }
 

@@ -12,18 +12,18 @@
 namespace render2mpeg::app {
 namespace {
 
-core::View view_of(const std::string& word, const RenderJob& film) {
-    core::View view = view_and_codec(word).value().view;
+core::View view_of(const SideFilmRequest& asked, const RenderJob& film) {
+    core::View view = asked.view.value().view;
     view.peak = film.view.peak;
     return view;
 }
 
-encoder::Settings settings_of(const std::string& word, const std::filesystem::path& output, const RenderJob& film) {
-    const core::View view = view_of(word, film);
-    const encoder::CodecFacts &facts = encoder::facts_of(view_and_codec(word).value().codec_in(output)),
+encoder::Settings settings_of(const SideFilmRequest& asked, const RenderJob& film) {
+    const core::View view = view_of(asked, film);
+    const encoder::CodecFacts &facts = encoder::facts_of(asked.view.value().codec_in(asked.file)),
                               &render = encoder::facts_of(film.coding.codec);
     CodingOptions options;
-    options.codec = std::string(facts.word);
+    options.codec = facts.codec;
     options.gop = film.coding.gop;
     options.encoder = film.coding.effort == encoder::Effort::fast ? "fast" : "quality";
     if (render.most_b_pictures > 0) options.b_pictures = film.coding.b_pictures;
@@ -37,7 +37,7 @@ encoder::Settings settings_of(const std::string& word, const std::filesystem::pa
     shape.rate = film.rate;
     shape.pixel_aspect = film.pixel_aspect;
     shape.aspect_ratio_code = film.coding.aspect_ratio_code;
-    encoder::Settings coding = coding_settings(options, shape, film.frames.first, output, view);
+    encoder::Settings coding = coding_settings(options, shape, film.frames.first, asked.file, view);
     coding.grain = film.coding.grain;
     coding.labels = film.coding.labels;
     const core::Rational rate = encoder::declared_rate(coding).hertz;  // pulldown has another
@@ -50,21 +50,20 @@ encoder::Settings settings_of(const std::string& word, const std::filesystem::pa
 
 }  // namespace
 
-void check_view_film(const std::string& view, const std::filesystem::path& output, const RenderJob& film) {
+void check_view_film(const SideFilmRequest& asked, const RenderJob& film) {
     try {
-        av::check(settings_of(view, output, film));
-        if (!film.sound.file.empty() && !av::can_have_sound(output))
+        av::check(settings_of(asked, film));
+        if (!film.sound.file.empty() && !av::can_have_sound(asked.file))
             throw core::Error("such a film has no sound; choose another ending");
     } catch (const core::Error& error) {
-        throw core::Error("also " + view + ": " + output.string() + " cannot be coded: " + error.what());
+        throw core::Error("also " + asked.subject + ": " + asked.file.string() + " cannot be coded: " + error.what());
     }
 }
 
-ViewFilm::ViewFilm(const std::string& view, const std::filesystem::path& output, const RenderJob& film,
-                   WorkFolder& work)
-    : SideFilm(view, output, film, settings_of(view, output, film), work),
+ViewFilm::ViewFilm(const SideFilmRequest& asked, const RenderJob& film, WorkFolder& work)
+    : SideFilm(asked.subject, asked.file, film, settings_of(asked, film), work),
       render_(film),
-      view_(view_of(view, film)),
+      view_(view_of(asked, film)),
       shots_(shots_of(*film.animation)) {}
 
 void ViewFilm::open(const Chunk& chunk) {

@@ -12,16 +12,16 @@
 
 namespace render2mpeg::app {
 
-/// Refuses another film of the render's light in the view of this name that cannot be coded. Writes nothing. Throws
-/// core::Error naming it.
-void check_view_film(const std::string& view, const std::filesystem::path& output, const RenderJob& film);
+/// Refuses another film of the render's light in a view that cannot be coded. Writes nothing. Throws core::Error naming
+/// it. `asked` has a view, here and below.
+void check_view_film(const SideFilmRequest& asked, const RenderJob& film);
 
 /// Another film of the render's light, in a view and codec of its own: one for the web, one for editors, one of high
 /// dynamic range. Its codec is that of the file's ending, HEVC for high dynamic range; its quantiser is as fine as the
 /// render's, its effort the same.
 class ViewFilm : public SideFilm {
   public:
-    ViewFilm(const std::string& view, const std::filesystem::path& output, const RenderJob& film, WorkFolder& work);
+    ViewFilm(const SideFilmRequest& asked, const RenderJob& film, WorkFolder& work);
 
     void lit(const LitFrame& frame) override;
 
