@@ -105,14 +105,15 @@ TEST_F(Wall, FewRecordsHaveAMeanWhereTheyLieAllAround) {
     };
     const std::vector<glm::ivec2> around{{11, 11}, {13, 11}, {11, 13}, {13, 13}};
     keep(0.0f, around);
-    const auto even = estimate_at(12, 12, 0.02f);
+    const auto even = estimate_at(12, 12, 0.02f, true);
     ASSERT_TRUE(even.has_value());
     EXPECT_NEAR(even->indirect.x, 1.0f, 1e-4f);
-    EXPECT_FALSE(estimate_at(15, 12, 0.02f).has_value()) << "they lie to one side";
+    EXPECT_FALSE(estimate_at(15, 12, 0.02f, true).has_value()) << "they lie to one side";
+    EXPECT_FALSE(estimate_at(12, 12, 0.02f).has_value()) << "a bound wants more";
     keep(0.3f, around);
-    EXPECT_FALSE(estimate_at(12, 12, 0.02f).has_value()) << "light has an edge there";
+    EXPECT_FALSE(estimate_at(12, 12, 0.02f, true).has_value()) << "light has an edge there";
     keep(0.0f, {{11, 11}, {13, 11}, {12, 13}});
-    EXPECT_FALSE(estimate_at(12, 12, 0.02f).has_value()) << "three tell no error";
+    EXPECT_FALSE(estimate_at(12, 12, 0.02f, true).has_value()) << "three tell no error";
 }
 
 TEST_F(Wall, CoarselyGatheredRecordsServeNoFinePixel) {

@@ -293,7 +293,7 @@ TEST(IrradianceCache, LightsVarnishedWallsWithinTheirToleranceSlow) {
     FilmStage plain(b, cache_settings(false)), cached(b, cache_settings(true));
     for (int second = 0; second < 3; ++second) {
         const core::Radiance frame = cached.cut(0.05f, second);
-        EXPECT_LE(cached.share_beyond(frame, 0.05f, second), 0.035) << second;
+        EXPECT_LE(cached.share_beyond(frame, 0.05f, second), 0.03) << second;
         EXPECT_LE(share_over(frame, plain.reference(second), 0.15f), 0.02) << second;
     }
 }

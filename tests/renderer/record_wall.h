@@ -51,13 +51,14 @@ class Wall : public ::testing::Test {
         return tile.front();
     }
 
-    std::optional<PointLight> estimate_at(const GatherPoint& p, float relative) {
+    std::optional<PointLight> estimate_at(const GatherPoint& p, float relative, bool priced = false) {
         const auto at = stage_.world().camera.project(p.point.position);
-        const CacheQuery query{p, {0, relative, 0}, at->position, stage_.world().camera.pixel_size() * at->depth, 0.4f};
+        CacheQuery query{p, {0, relative, 0}, at->position, stage_.world().camera.pixel_size() * at->depth, 0.4f};
+        query.priced = priced;
         return query_cache(query, map_, records_, {}, 1.0f, 0);
     }
-    std::optional<PointLight> estimate_at(int x, int y, float relative) {
-        return estimate_at(point_at(x, y), relative);
+    std::optional<PointLight> estimate_at(int x, int y, float relative, bool priced = false) {
+        return estimate_at(point_at(x, y), relative, priced);
     }
 
     /// The records' light is what a lobe of white metal sends to an eye, which may be elsewhere than the camera.

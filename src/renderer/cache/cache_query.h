@@ -17,6 +17,7 @@ struct CacheQuery {
     float receives = 0;                           ///< luminance of the pixel by unit of light from all around
     std::optional<glm::vec3> eye = std::nullopt;  ///< world; none: far away, all look along the point's direction
     bool crowded = false;                         ///< worth fewer rays than a pilot has, by its share of its pixel
+    bool priced = false;                          ///< its tolerance is a price, and no bound
     float other_error = 0;  ///< of the same light in the other eye's picture, luminance of the pixel; 0: not known
 };
 

@@ -106,8 +106,9 @@ RecordUpdate updated(const FrameState& frame, const SurfaceMark& mark, const Gat
     now.is_lost = !r.is_pilot_now;
     now.needs_pilot = now.is_lost && r.baseline->ray_count > pilot_rays;
     const auto eye = frame.camera().has_eye() ? std::optional(frame.camera().eye_of(r.position)) : std::nullopt;
-    fit.collect({receiver, {}, mark.at, extent_at(frame.camera(), r.position), shown, eye}, LocalRegression::Of::change,
-                frame.grid, frame.records, mark.record);
+    CacheQuery query{receiver, {}, mark.at, extent_at(frame.camera(), r.position), shown, eye};
+    query.priced = frame.allocation.typical > 0.0f;
+    fit.collect(query, LocalRegression::Of::change, frame.grid, frame.records, mark.record);
     const RegressionError error = fit.estimate();
     if (!error.is_valid()) return now;
     now.batch_variance = fit.batch_variance_now() / shown2;

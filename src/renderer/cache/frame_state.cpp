@@ -37,7 +37,9 @@ std::optional<CacheQuery> FrameState::query_of(std::size_t t, std::size_t i) con
                           camera().pixel_extent(away),
                           receives(p),
                           std::nullopt,
-                          pilots_worth(tiles[t].tolerance[i]) < 1.0};
+                          pilots_worth(tiles[t].tolerance[i]) < 1.0,
+                          allocation.typical > 0.0f,
+                          allocation.typical > 0.0f};
     }
     const auto on_picture = camera().project(p.point.position);
     if (!on_picture) return std::nullopt;

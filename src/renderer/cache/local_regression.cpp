@@ -75,6 +75,7 @@ void LocalRegression::collect(const CacheQuery& q, Of of, const RecordGrid& grid
     lanes_.clear();
     if (!grid.reaches(q.at, largest_radius)) return;
     crowded_ = q.crowded;
+    priced_ = q.priced;
     alike_ = crowded_ ? std::max(static_cast<double>(q.tolerance.noise), 1.0) : 1.0;
     const int radius = crowded_ ? largest_of_crowd : largest_radius;
     const float reach = static_cast<float>(radius) + 0.5f;
@@ -266,9 +267,12 @@ void LocalRegression::fit_plane(int radius, double common, RegressionError& best
     P::Sums<P::moments> lanes;
     plane.sum(lanes_, lanes);
     const std::array<double, P::moments> m = totals(lanes);
+    // The few records of a mean tell too little of their error for a bound.
+    const double count = m[P::number];
+    if (!priced_ && count < 1.0 * least_records) return;
     const std::optional<glm::dmat4> inverse = plane.inverse_of(m);
     if (!inverse) return;
-    const double count = m[P::number], batch = m[P::batch] / m[P::close],
+    const double batch = m[P::batch] / m[P::close],
                  unknowns = count < 1.0 * least_records ? unknowns_of_mean : unknowns_of_plane;
     plane.row = glm::vec4((*inverse)[0]);
     plane.value = glm::vec4(*inverse * glm::dvec4(m[P::v1], m[P::vx], m[P::vy], m[P::vz]));

@@ -77,8 +77,8 @@ class LocalRegression {
     void fit_plane(int radius, double common, RegressionError& best);
     void take_own(RegressionError& best);
 
-    bool crowded_ = false;  ///< CacheQuery::crowded
-    double alike_ = 1;      ///< points of the pixel that get the same light, with its noise
+    bool crowded_ = false, priced_ = false;  ///< CacheQuery
+    double alike_ = 1;                       ///< points of the pixel that get the same light, with its noise
     std::vector<Member> members_;
     std::vector<MemberLanes> lanes_;
     std::vector<float> weights_, plane_;
