@@ -38,7 +38,6 @@ std::optional<CacheQuery> FrameState::query_of(std::size_t t, std::size_t i) con
                           receives(p),
                           std::nullopt,
                           pilots_worth(tiles[t].tolerance[i]) < 1.0,
-                          allocation.typical > 0.0f,
                           allocation.typical > 0.0f};
     }
     const auto on_picture = camera().project(p.point.position);
@@ -51,7 +50,8 @@ std::optional<CacheQuery> FrameState::query_of(std::size_t t, std::size_t i) con
                       extent,
                       receives(p),
                       eye,
-                      pilots_worth(tiles[t].tolerance[i]) < 1.0};
+                      pilots_worth(tiles[t].tolerance[i]) < 1.0,
+                      allocation.typical > 0.0f};
 }
 
 glm::ivec2 FrameState::pixel_of(std::size_t tile, const GatherPoint& p) const {
