@@ -82,7 +82,7 @@ EffectCosts effect_costs(const RenderJob& film, int frames, double limit, bool q
         if (!less) break;
         EffectCost cost = difference_of(*whole, *less);
         cost.name = effect.name;
-        for (const auto& [option, value] : effect.choices) cost.option = option + " " + value;
+        for (const auto& [option, value] : effect.choices) (cost.option = option).append(" ").append(value);
         row_done(cost, costs.rows.empty());
         costs.rows.push_back(std::move(cost));
         --costs.left;

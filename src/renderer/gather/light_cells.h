@@ -89,7 +89,7 @@ class CellPages {
         if constexpr (std::is_same_v<A, core::ArchiveReader>) {
             a.expect(count, sizeof(LightCell));
             cells.clear();
-            while (used < count) cells.add();
+            for (std::uint64_t i = 0; i < count; ++i) cells.add();
         }
         for (std::size_t i = 0; i < count; ++i) a(cells[i]);
     }
