@@ -358,7 +358,8 @@ void Renderer::restore(core::ArchiveReader& archive) {
     // Light within air follows from the instant, and finds cells that the state replaces.
     impl_->light_air();
     impl_->keep(archive);
-    if (!impl_->memory.records.is_sound(impl_->posed_scene.posed())) throw core::Error("records of light are damaged");
+    if (!impl_->memory.records.is_sound(impl_->posed_scene.animation()))
+        throw core::Error("records of light are damaged");
 }
 
 Lit Renderer::light(const scene::Snapshot& snapshot, Frame frame, const LightOrder& order) {

@@ -62,6 +62,8 @@ def perform(words):
         traceback.print_exc()
         return status_of_mistakes
     finally:
+        for name in [name for name, module in sys.modules.items() if module is None]:
+            del sys.modules[name]  # Cycles, which a test takes away, begins again with the settings
         if "BLENDER_USER_SCRIPTS" in os.environ:
             bpy.ops.wm.read_factory_settings()  # where the user's add-ons still lie
     return 0

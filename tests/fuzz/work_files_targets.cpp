@@ -15,6 +15,7 @@
 #include "core/archive.h"
 #include "core/error.h"
 #include "core/isa.h"
+#include "core/rational.h"
 #include "encoder/av/av.h"
 #include "fuzz/input.h"
 #include "fuzz/targets.h"
@@ -66,6 +67,7 @@ bool chunk(Input input) {
         app::Film film;
         film.frames = {0, 1};
         film.coding.width = film.coding.height = 16;
+        film.coding.rate = core::frame_rate_from("25");
         app::WorkFolder work(file.parent_path() / "film.mpg", nlohmann::json::object());
         app::publish(std::span(&*reopened, 1), film, work, file.parent_path() / "film.mpg", true);
         return true;
@@ -158,7 +160,8 @@ bool state(Input input) {
         const auto reader = core::ArchiveReader::open(file, mark_of_state);
         if (!reader) throw std::logic_error("a state that was just written is not read");
         const auto renderer = yard.started();
-        for (int n = 0; n < state_frames; ++n) renderer->prepare(yard.at(n));
+        const std::array<scene::Snapshot, state_frames> worlds{yard.at(0), yard.at(1)};  // outlive what looks at them
+        for (const scene::Snapshot& world : worlds) renderer->prepare(world);
         renderer->restore(*reader);
         yard.light(*renderer, state_frames);
         return true;

@@ -1,8 +1,10 @@
 #include "app/files/chunk_file.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -15,6 +17,14 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(PictureRecord, number, coding_order, starts_g
 namespace {
 
 using nlohmann::json;
+
+/// The record's list; none where a number in it is no whole one.
+std::optional<std::vector<PictureRecord>> pictures_from(const json& list) {
+    const auto is_fit = [](const json& value) { return value.is_boolean() || value.is_number_integer(); };
+    for (const json& picture : list)
+        if (!std::ranges::all_of(picture, is_fit)) return {};
+    return list.get<std::vector<PictureRecord>>();
+}
 
 std::string reason() {
     return errno != 0 ? std::strerror(errno) : "the disk is full";
@@ -34,15 +44,16 @@ std::optional<ChunkFile> ChunkFile::reopened(const std::filesystem::path& file, 
     const json record = read_json(record_of(file));
     try {
         if (!record.is_object() || record.at("first") != chunk.first || record.at("last") != chunk.last) return {};
-        auto pictures = record.at("pictures").get<std::vector<PictureRecord>>();
+        std::optional<std::vector<PictureRecord>> pictures = pictures_from(record.at("pictures"));
+        if (!pictures) return {};
         std::uint64_t left = std::filesystem::file_size(file);
-        for (const PictureRecord& picture : pictures) {
+        for (const PictureRecord& picture : *pictures) {
             if (picture.bytes > left) return {};
             left -= picture.bytes;
         }
         const bool sound = left == 0 && record.at("checksum") == text_of(checksum_of(file)) && record.contains("facts");
         if (!sound) return {};
-        return ChunkFile(file, chunk, std::move(pictures));
+        return ChunkFile(file, chunk, *std::move(pictures));
     } catch (const std::exception&) {
         return {};  // a record that is none, or a stream that is gone
     }

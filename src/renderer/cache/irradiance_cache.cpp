@@ -47,8 +47,7 @@ void IrradianceCache::forget_records() {
     records_.forget();
 }
 
-bool IrradianceCache::is_sound(const scene::Snapshot& posed) const {
-    const scene::Animation& scene = *posed.animation;
+bool IrradianceCache::is_sound(const scene::Animation& scene) const {
     const auto is_there = [&](const core::SurfaceAddress& a) {
         return a.object < scene.objects.size() &&
                a.primitive < scene.meshes[static_cast<std::size_t>(scene.objects[a.object].mesh)].primitives();

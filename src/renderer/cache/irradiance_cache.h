@@ -35,7 +35,7 @@ class IrradianceCache {
     std::vector<StoredRecord> found() const;
 
     /// Whether all records lie on surfaces that there are, and were lit by representatives that there are.
-    bool is_sound(const scene::Snapshot& posed) const;
+    bool is_sound(const scene::Animation& scene) const;
 
     /// All that it knows of the chunk, between instants.
     template <class A>
