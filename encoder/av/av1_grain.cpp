@@ -1,73 +1,14 @@
 #include "encoder/av/av1_grain.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <utility>
 
 #include "core/error.h"
-#include "core/plane.h"
 #include "core/sampling.h"
 
 namespace render2mpeg::av {
 namespace {
-
-constexpr int lag = 3, filter_shift = 7;
-/// Places in that reach, row by row.
-constexpr std::size_t places = 2 * lag * (lag + 1);
-using Weights = std::array<double, places>;
-
-constexpr std::pair<int, int> place_of(std::size_t index) {
-    const int at = static_cast<int>(index);
-    return {at / (2 * lag + 1) - lag, at % (2 * lag + 1) - lag};
-}
-
-/// Luma of the table's points, 16..235.
-constexpr std::array<int, 14> point_luma{16, 20, 28, 40, 56, 76, 98, 120, 142, 164, 186, 206, 224, 235};
-
-/// Weights that best predict grain of this spot (core::FilmGrain::spot) from its neighbours: the normal equations
-/// (Yule-Walker), by elimination.
-Weights predictor(double spot) {
-    const auto correlation = [&](int down, int across) {
-        return std::exp(-(down * down + across * across) / (4 * spot * spot));
-    };
-    // chosen: 0.1 of 0.02 to 0.3: the filter is stable and shows no lattice (0.02: correlations of 0.1 at six pixels);
-    // correlations are up to 0.08 lower than those asked for.
-    constexpr double white = 0.1;
-    std::array<std::array<double, places + 1>, places> rows{};
-    for (std::size_t i = 0; i < places; ++i) {
-        const auto [down, across] = place_of(i);
-        for (std::size_t k = 0; k < places; ++k)
-            rows[i][k] = correlation(down - place_of(k).first, across - place_of(k).second) + (i == k ? white : 0.0);
-        rows[i][places] = correlation(down, across);
-    }
-    // The matrix is positive definite: no row needs another's place.
-    for (std::size_t i = 0; i < places; ++i)
-        for (std::size_t k = 0; k < places; ++k) {
-            if (k == i) continue;
-            const double factor = rows[k][i] / rows[i][i];
-            for (std::size_t j = i; j <= places; ++j) rows[k][j] -= factor * rows[i][j];
-        }
-    Weights weights{};
-    for (std::size_t i = 0; i < places; ++i) weights[i] = rows[i][places] / rows[i][i];
-    return weights;
-}
-
-/// How much the filter multiplies the variance of white noise by: the sum of its squared impulse response.
-double gain_of(const std::array<int, places>& filter) {
-    constexpr int reach = 32;
-    core::Plane<double> response(2 * reach + 1, reach, 0.0);
-    double sum = 0;
-    for (int y = lag; y < reach; ++y)
-        for (int x = lag; x < response.width() - lag; ++x) {
-            double value = y == lag && x == reach ? 1 : 0;
-            for (std::size_t i = 0; i < places; ++i)
-                value += filter[i] * response.at(x + place_of(i).second, y + place_of(i).first) / (1 << filter_shift);
-            response.at(x, y) = value;
-            sum += value * value;
-        }
-    return sum;
-}
 
 void put(std::vector<bool>& bits, int value, int count) {
     for (int i = count - 1; i >= 0; --i) bits.push_back((value >> i & 1) != 0);
@@ -107,36 +48,10 @@ void append(std::vector<std::uint8_t>& out, const Obu& obu, std::span<const std:
 
 }  // namespace
 
-Av1Grain::Av1Grain(int iso, int height) {
-    const core::FilmGrain grain(iso, height);
-    set_filter(grain.spot());
-    set_scaling(grain);
-}
-
-void Av1Grain::set_filter(double spot) {
-    const Weights weights = predictor(spot);
-    for (std::size_t i = 0; i < places; ++i)
-        filter_[i] = std::clamp(static_cast<int>(std::lround(weights[i] * (1 << filter_shift))), -128, 127);
-    // Noise before the filter has 512 of 12 bits [AV1, 7.18.3.3]. What is filtered is cut off at 127.
-    constexpr double unfiltered = 32, most = 36;
-    deviation_ = unfiltered * std::sqrt(gain_of(filter_));
-    for (; deviation_ > most && noise_shift_ < 3; deviation_ /= 2) ++noise_shift_;
-}
-
-void Av1Grain::set_scaling(const core::FilmGrain& grain) {
-    const auto factor = [&](int luma, int shift) {
-        return std::lround(grain.deviation(static_cast<float>(luma)) / deviation_ * (1 << shift));
-    };
-    scaling_shift_ = 11;
-    const auto is_too_large = [&](int luma) { return factor(luma, scaling_shift_) > 255; };
-    while (scaling_shift_ > 8 && std::ranges::any_of(point_luma, is_too_large)) --scaling_shift_;
-    for (std::size_t i = 0; i < scaling_.size(); ++i)
-        scaling_[i] = static_cast<int>(std::min(factor(point_luma[i], scaling_shift_), 255L));
-}
-
 Av1Grain::BitRow Av1Grain::parameters(const Av1FrameHeader& frame, std::int64_t number) {
     BitRow bits;
-    put(bits, 1, 1);  // apply_grain
+    put(bits, table_.points.empty() ? 0 : 1, 1);  // apply_grain
+    if (table_.points.empty()) return bits;
     put(bits, static_cast<int>(core::mix(static_cast<std::uint64_t>(number)) & 0xffff), 16);
     if (frame.is_inter) {
         const auto has_grain = [&](int reference) { return has_grain_[static_cast<std::size_t>(reference)]; };
@@ -147,18 +62,19 @@ Av1Grain::BitRow Av1Grain::parameters(const Av1FrameHeader& frame, std::int64_t 
             return bits;
         }
     }
-    put(bits, points, 4);
-    for (std::size_t i = 0; i < scaling_.size(); ++i) {
-        put(bits, point_luma[i], 8);
-        put(bits, scaling_[i], 8);
+    put(bits, static_cast<int>(table_.points.size()), 4);
+    for (const GrainTable::Point& point : table_.points) {
+        put(bits, point.luma, 8);
+        put(bits, point.scaling, 8);
     }
     put(bits, 0, 1 + 4 + 4);  // chroma_scaling_from_luma, num_cb_points, num_cr_points
-    put(bits, scaling_shift_ - 8, 2);
-    put(bits, lag, 2);
-    for (const int weight : filter_) put(bits, weight + 128, 8);
-    put(bits, filter_shift - 6, 2);
-    put(bits, noise_shift_, 2);
-    put(bits, 3, 2);  // overlap_flag, clip_to_restricted_range
+    put(bits, table_.scaling_shift - 8, 2);
+    put(bits, table_.lag, 2);
+    for (int i = 0; i < table_.weights(); ++i) put(bits, table_.filter[static_cast<std::size_t>(i)] + 128, 8);
+    put(bits, GrainTable::filter_shift - 6, 2);
+    put(bits, table_.noise_shift, 2);
+    put(bits, table_.lag > 0 ? 1 : 0, 1);  // overlap_flag: white noise has no seams
+    put(bits, 1, 1);                       // clip_to_restricted_range
     return bits;
 }
 
@@ -176,7 +92,7 @@ void Av1Grain::append_frame(std::vector<std::uint8_t>& out, const Obu& obu, std:
     const std::int64_t own = number + headers_.distance(frame.order_hint, hint_of_shown);
     append(out, obu, with_bits(obu, frame.end, frame.can_be_shown ? parameters(frame, own) : BitRow(), has_tiles));
     for (std::size_t i = 0; i < has_grain_.size(); ++i)
-        if ((frame.refreshed >> i & 1) != 0) has_grain_[i] = frame.can_be_shown;
+        if ((frame.refreshed >> i & 1) != 0) has_grain_[i] = frame.can_be_shown && !table_.points.empty();
 }
 
 std::vector<std::uint8_t> Av1Grain::with_grain(std::span<const std::uint8_t> unit, std::int64_t number) {

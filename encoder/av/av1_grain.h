@@ -3,21 +3,21 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
-#include "core/film_grain.h"
 #include "encoder/av/access_unit.h"
 #include "encoder/av/av1_headers.h"
+#include "encoder/av/grain_table.h"
 
 namespace render2mpeg::av {
 
-/// Writes film grain into the headers of coded pictures [AV1, 5.9.30]: a table of it by luma and an autoregressive
-/// filter with its correlation, and each frame a seed by its display number. Pictures are coded without it, and
-/// decoders add it behind their references [AV1, 7.18.3].
+/// Writes film grain into the headers of coded pictures [AV1, 5.9.30]: a table, and each frame a seed by its display
+/// number. Pictures are coded without it, and decoders add it behind their references [AV1, 7.18.3].
 class Av1Grain {
   public:
-    /// As core::FilmGrain has it.
-    Av1Grain(int iso, int height);
+    /// Grain from the next key frame on; at first there is none.
+    void set_table(GrainTable table) { table_ = std::move(table); }
 
     /// A temporal unit with the grain of its frames; they come in coding order. `number`: display number of the frame
     /// that is shown. Throws as Av1Headers does.
@@ -27,16 +27,10 @@ class Av1Grain {
     using BitRow = std::vector<bool>;
 
     void append_frame(std::vector<std::uint8_t>& out, const Obu& obu, std::int64_t number, bool has_tiles);
-    void set_filter(double spot);
-    void set_scaling(const core::FilmGrain& grain);
     /// film_grain_params() of a frame.
     BitRow parameters(const Av1FrameHeader& frame, std::int64_t number);
 
-    static constexpr int points = 14;  ///< as many as AV1 has
-    std::array<int, 24> filter_{};     ///< in 128ths: of three rows above and three places to the left
-    std::array<int, points> scaling_{};
-    int scaling_shift_ = 8, noise_shift_ = 0;
-    double deviation_ = 0;  ///< of the filtered noise, code values of 8 bits
+    GrainTable table_;
     Av1Headers headers_;
     std::array<bool, 8> has_grain_{};  ///< of references
     std::int64_t first_number_ = 0;    ///< of the group's key frame

@@ -36,6 +36,9 @@ bool has_one_quantiser(encoder::Codec codec) {
     return !facts.takes_blocks && !facts.master;
 }
 
+/// Settings::color_primaries of films whose displays have 10 bits.
+constexpr int of_high_dynamic_range = 9;
+
 /// Steps of a quantiser that the encoder can be told.
 double steps_of(encoder::Codec codec) {
     return codec == encoder::Codec::av1 ? steps_of_quantiser : 1;
@@ -101,7 +104,9 @@ class LibraryCoder final : public encoder::Coder {
           order_(facts_.master ? 1 : settings.gop, settings.b_pictures),
           columns_((settings.width + 15) / 16),
           rows_((settings.height + 15) / 16) {
-        if (facts_.adds_grain && settings.grain > 0) grain_.emplace(settings.grain, settings.height);
+        if (!facts_.adds_grain) return;
+        grain_.emplace();
+        if (settings.grain > 0) grain_->set_table(film_grain_table(settings.grain, settings.height));
     }
 
     PicturePlan plan(std::int64_t number, const encoder::PictureFacts& told, bool first_of_chunk) override {
@@ -299,7 +304,14 @@ class LibraryCoder final : public encoder::Coder {
     }
 
     void collect(std::vector<CodedPicture>& complete) {
-        for (LibraryPicture& picture : library_->take()) complete.push_back(told(std::move(picture)));
+        std::vector<LibraryPicture> pictures = library_->take();
+        // These are a whole group.
+        if (grain_ && settings_.grain == 0 && settings_.color_primaries != of_high_dynamic_range) {
+            GradientDither dither;
+            for (const LibraryPicture& picture : pictures) dither.add(picture.reconstruction.y);
+            grain_->set_table(dither.table());
+        }
+        for (LibraryPicture& picture : pictures) complete.push_back(told(std::move(picture)));
     }
 
     CodedPicture told(LibraryPicture picture) {

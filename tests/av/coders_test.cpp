@@ -178,13 +178,35 @@ TEST(Coders, OfAv1TellGrainByThePicturesNumbersAndChangeNothingElse) {
 }
 
 TEST(Coders, OfAv1RefuseToTellGrainInStreamsThatTheyDoNotKnow) {
-    av::Av1Grain grain(400, 80);
+    av::Av1Grain grain;
     // Units with sizes: sequence headers of profile 1 and of a still picture, an end of one, a frame without any.
     for (const std::vector<std::uint8_t>& unit : {std::vector<std::uint8_t>{0x0a, 4, 0x20, 0, 0, 0},
                                                   {0x0a, 4, 0x18, 0, 0, 0},
                                                   {0x0a, 1, 0},
                                                   {0x32, 2, 0x10, 0}})
         EXPECT_THROW(grain.with_grain(unit, 0), core::Error);
+}
+
+TEST(GradientDither, IsOfTheLumaThatHasStepsAndOfNoOther) {
+    core::Plane<std::uint8_t> luma(256, 64);
+    const auto table_of = [&](const auto& value) {
+        for (int y = 0; y < luma.height(); ++y)
+            for (int x = 0; x < luma.width(); ++x) luma.at(x, y) = static_cast<std::uint8_t>(value(x, y));
+        av::GradientDither dither;
+        dither.add(luma);
+        return dither.table();
+    };
+    EXPECT_TRUE(table_of([](int, int) { return 90; }).points.empty()) << "an even wall has no steps";
+    EXPECT_TRUE(table_of([](int x, int y) { return 90 + (37 * x + 11 * y) % 7; }).points.empty()) << "a texture";
+    EXPECT_TRUE(table_of([](int x, int) { return 40 + x; }).points.empty()) << "a ramp without bands";
+    EXPECT_TRUE(table_of([](int x, int y) { return y < 48 ? 60 + 60 * (x / 4 % 2) : 60 + x / 20; }).points.empty())
+        << "mostly others";
+    const av::GrainTable dither = table_of([](int x, int) { return x < 192 ? 80 + x / 12 : 160 + 20 * (x % 3); });
+    const int scaling = dither.points.at(1).scaling;
+    EXPECT_EQ(dither.points, (std::vector<av::GrainTable::Point>{{56, 0}, {76, scaling}, {98, scaling}, {120, 0}}));
+    EXPECT_NEAR(scaling * av::GrainTable::unfiltered / (1 << (dither.scaling_shift + dither.noise_shift)),
+                std::sqrt(1.0 / 12), 0.005)
+        << "the deviation of rounding";
 }
 
 /// What each push gives, with a pause before each.

@@ -99,6 +99,33 @@ TEST(GrainInFilms, HasTheVarianceOfItsModelByLumaInEachCodecSlow) {
     EXPECT_LT(contents(made).size(), contents(plain).size() + 100 + film_frames * 12);
 }
 
+TEST(GrainInFilms, OfAv1DithersGradientsAndNothingElse) {
+    if (run("ffmpeg -v error -h encoder=libsvtav1").output.find("preset") == std::string::npos) GTEST_SKIP();
+    const Folder folder;
+    std::ofstream stream(folder / "wall.y4m", std::ios::binary);
+    stream << "YUV4MPEG2 W" << film_width << " H" << film_height << " F25:1 Ip A1:1 C420mpeg2\n";
+    constexpr int part = film_width / static_cast<int>(greys.size());
+    for (int n = 0; n < film_frames; ++n) {
+        stream << "FRAME\n";
+        for (int y = 0; y < film_height; ++y)
+            for (int x = 0; x < film_width; ++x)
+                stream.put(static_cast<char>(x < part       ? 50 + y / 20
+                                             : x < 2 * part ? 150 + 30 * ((x * x + 7 * y * y) % 5 - 2) / 2
+                                                            : 210));
+        stream << std::string(film_width * film_height / 2, '\x80');
+    }
+    stream.close();
+    const std::string film = encoded_greys(folder, path(folder, "wall.y4m"), "--codec av1", "f.mp4");
+    const std::vector<double> clean = decoded_luma(film, "-c:v libdav1d -export_side_data film_grain");
+    std::vector<double> noise = decoded_luma(film, "-c:v libdav1d");
+    for (std::size_t i = 0; i < noise.size(); ++i) noise[i] -= clean[i];
+    EXPECT_NEAR(covariance(noise, 0, 0, 0), 1.0 / 12, 0.01) << "as large as what rounding to 8 bits leaves";
+    EXPECT_NEAR(covariance(noise, 0, 1, 0), 0, 0.005) << "white";
+    EXPECT_NEAR(covariance(noise, 0, 0, 1), 0, 0.005) << "new in each picture";
+    EXPECT_EQ(covariance(noise, 1, 0, 0), 0) << "texture";
+    EXPECT_EQ(covariance(noise, 2, 0, 0), 0) << "an even wall";
+}
+
 TEST(GrainInFilms, TellsTheBitsThatItTakesSlow) {
     const Folder folder;
     const std::string film = grey_film(folder);
