@@ -57,9 +57,17 @@ struct CodecFacts {
         return ffmpeg.pixels.ends_with("10") || ffmpeg.pixels.ends_with("12");
     }
     /// Its coder takes luma before rounding: of more than 8 bits, and all of 4:4:4, GIF among them.
-    constexpr bool takes_unrounded() const {
-        return has_more_than_8_bits() || ffmpeg.pixels.find("444") != std::string_view::npos;
+    constexpr bool takes_unrounded() const { return has_more_than_8_bits() || has_chroma_of_all_pixels(); }
+    constexpr bool has_chroma_of_all_pixels() const { return ffmpeg.pixels.find("444") != std::string_view::npos; }
+    /// Chroma that its coder takes before rounding.
+    constexpr core::ExactChroma exact_chroma() const {
+        const bool more = has_chroma_of_all_pixels() || ffmpeg.pixels.find("422") != std::string_view::npos;
+        return more                     ? core::ExactChroma::full
+               : has_more_than_8_bits() ? core::ExactChroma::halved
+                                        : core::ExactChroma::none;
     }
+    /// Width and height of its pictures must be even. MPEG-2's, padded to whole macroblocks, need not.
+    constexpr bool even_sides() const { return codec != Codec::mpeg2 && !has_chroma_of_all_pixels(); }
     /// Its films can have alpha.
     constexpr bool has_alpha() const { return ffmpeg.pixels.starts_with("yuva"); }
     constexpr std::string_view usual_ending() const { return endings.substr(0, endings.find(' ')); }

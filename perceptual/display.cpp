@@ -45,10 +45,15 @@ std::uint8_t code(float value) {
     return static_cast<std::uint8_t>(std::lround(value));
 }
 
-/// Chroma code values halfway between two rows. `scale` brings the colour difference to -112..112.
-void write_chroma(const std::vector<float>& upper, const std::vector<float>& lower, float scale, std::uint8_t* out) {
-    for (std::size_t i = 0; i < upper.size(); ++i)
-        out[i] = code(std::clamp(128.0f + scale * 0.5f * (upper[i] + lower[i]), 16.0f, 240.0f));
+/// Chroma code values halfway between two rows, also before rounding unless `exact` is null. `scale` brings the colour
+/// difference to -112..112.
+void write_chroma(const std::vector<float>& upper, const std::vector<float>& lower, float scale, std::uint8_t* out,
+                  float* exact) {
+    for (std::size_t i = 0; i < upper.size(); ++i) {
+        const float value = std::clamp(128.0f + scale * 0.5f * (upper[i] + lower[i]), 16.0f, 240.0f);
+        out[i] = code(value);
+        if (exact != nullptr) exact[i] = value;
+    }
 }
 
 /// The same at full width, as code values that are not rounded.
@@ -57,17 +62,20 @@ void write_full(const std::vector<float>& differences, float scale, std::span<fl
 }
 
 /// A black picture with room for what `chroma` keeps.
-core::Picture empty_picture(int width, int height, Chroma chroma) {
+core::Picture empty_picture(int width, int height, core::ExactChroma chroma) {
     core::Picture picture;
     picture.y = core::Plane<std::uint8_t>(width, height);
     picture.luma = core::Plane<float>(width, height);
     picture.cb = core::Plane<std::uint8_t>((width + 1) / 2, (height + 1) / 2);
     picture.cr = core::Plane<std::uint8_t>((width + 1) / 2, (height + 1) / 2);
-    if (chroma == Chroma::full) picture.full_cb = picture.full_cr = core::Plane<float>(width, height);
+    if (chroma == core::ExactChroma::full) picture.exact_cb = picture.exact_cr = core::Plane<float>(width, height);
+    if (chroma == core::ExactChroma::halved)
+        picture.exact_cb = picture.exact_cr = core::Plane<float>(picture.cb.width(), picture.cb.height());
     return picture;
 }
 
-core::Picture picture_of(int width, int height, ColorMatrix matrix, Chroma chroma, const SignalsOfRow& signals_of_row) {
+core::Picture picture_of(int width, int height, ColorMatrix matrix, core::ExactChroma chroma,
+                         const SignalsOfRow& signals_of_row) {
     core::Picture picture = empty_picture(width, height, chroma);
     if (picture.y.empty()) return picture;
 
@@ -92,13 +100,14 @@ core::Picture picture_of(int width, int height, ColorMatrix matrix, Chroma chrom
             }
             halve(signals.blue, blue[k]);
             halve(signals.red, red[k]);
-            if (chroma == Chroma::halved) continue;
+            if (chroma != core::ExactChroma::full) continue;
             const auto row_length = static_cast<std::size_t>(width);
-            write_full(signals.blue, blue_scale, {picture.full_cb.row(y), row_length});
-            write_full(signals.red, red_scale, {picture.full_cr.row(y), row_length});
+            write_full(signals.blue, blue_scale, {picture.exact_cb.row(y), row_length});
+            write_full(signals.red, red_scale, {picture.exact_cr.row(y), row_length});
         }
-        write_chroma(blue[0], blue[1], blue_scale, picture.cb.row(pair));
-        write_chroma(red[0], red[1], red_scale, picture.cr.row(pair));
+        const bool halved = chroma == core::ExactChroma::halved;
+        write_chroma(blue[0], blue[1], blue_scale, picture.cb.row(pair), halved ? picture.exact_cb.row(pair) : nullptr);
+        write_chroma(red[0], red[1], red_scale, picture.cr.row(pair), halved ? picture.exact_cr.row(pair) : nullptr);
     }
     EXPECTS(finite == 0.0f);
     return picture;
@@ -136,7 +145,7 @@ glm::vec3 luma_weights(ColorMatrix matrix) {
     return matrix == ColorMatrix::bt709 ? glm::vec3{0.2126f, 0.7152f, 0.0722f} : glm::vec3{0.299f, 0.587f, 0.114f};
 }
 
-Display::Display(float exposure, ColorMatrix matrix, const core::View& view, Chroma chroma, int grain)
+Display::Display(float exposure, ColorMatrix matrix, const core::View& view, core::ExactChroma chroma, int grain)
     : exposure_(exposure), gain_(std::exp2(exposure)), matrix_(matrix), chroma_(chroma), grain_(grain) {
     EXPECTS(std::abs(exposure) <= max_exposure);
     if (view.name != core::ViewName::neutral) view_ = std::make_shared<const ViewTransform>(view);
@@ -202,7 +211,7 @@ float luma_of(const Display& display, glm::vec3 radiance) {
     return 16.0f + 219.0f * glm::dot(luma_weights(display.matrix()), signals);
 }
 
-core::Picture picture_of_signals(const core::Plane<glm::vec3>& signals, ColorMatrix matrix, Chroma chroma) {
+core::Picture picture_of_signals(const core::Plane<glm::vec3>& signals, ColorMatrix matrix, core::ExactChroma chroma) {
     return picture_of(signals.width(), signals.height(), matrix, chroma, [&](int y, std::span<glm::vec3> row) {
         const glm::vec3* from = signals.row(y);
         float finite = 0.0f;

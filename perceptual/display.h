@@ -24,9 +24,6 @@ struct PictureColors {
     core::View view{};
 };
 
-/// Whether pictures keep chroma at every pixel, unrounded, beside that of 4:2:0.
-enum class Chroma { halved, full };
-
 /// Weights of R', G', B' in luma: [BT709, 3.2], [BT601, 2.5.1], and [BT2020, table 4] without constant luminance.
 glm::vec3 luma_weights(ColorMatrix matrix);
 
@@ -39,8 +36,8 @@ class Display {
 
     /// `exposure` in EV: radiance is multiplied by 2^exposure. `matrix`: as matrix_for() says. `grain`: ISO of the film
     /// grain that pictures get, 0 for none (core/film_grain.h).
-    Display(float exposure, ColorMatrix matrix, const core::View& view = {}, Chroma chroma = Chroma::halved,
-            int grain = 0);
+    Display(float exposure, ColorMatrix matrix, const core::View& view = {},
+            core::ExactChroma chroma = core::ExactChroma::none, int grain = 0);
 
     /// Scene-linear radiance to a picture, with the grain of its frame. Non-finite input is a broken contract; negative
     /// light counts as none.
@@ -80,7 +77,7 @@ class Display {
     float exposure_;
     float gain_;
     ColorMatrix matrix_;
-    Chroma chroma_;
+    core::ExactChroma chroma_;
     int grain_;
     bool is_hdr_;
     std::shared_ptr<const ViewTransform> view_;
@@ -95,7 +92,7 @@ core::Radiance unmultiplied(const core::Radiance& radiance, const core::Mattes& 
 /// A picture of full-range signals R', G', B', clamped to [0, 1], with BT.709's primaries: inverts develop_srgb but for
 /// rounding. Finite values.
 core::Picture picture_of_signals(const core::Plane<glm::vec3>& signals, ColorMatrix matrix,
-                                 Chroma chroma = Chroma::halved);
+                                 core::ExactChroma chroma = core::ExactChroma::none);
 
 /// The matrix for a picture with this number of lines in this view.
 inline ColorMatrix matrix_for(int height, const core::View& view = {}) {

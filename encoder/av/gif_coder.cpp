@@ -77,7 +77,7 @@ encoder::PicturePlan GifCoder::plan(std::int64_t number, const encoder::PictureF
 
 Rgb GifCoder::wanted(const core::Picture& picture, int x, int y) const {
     const float luma = picture.luma.empty() ? static_cast<float>(picture.y.at(x, y)) : picture.luma.at(x, y);
-    if (!picture.full_cb.empty()) return matrix_.to_rgb({luma, picture.full_cb.at(x, y), picture.full_cr.at(x, y)});
+    if (!picture.exact_cb.empty()) return matrix_.to_rgb({luma, picture.exact_cb.at(x, y), picture.exact_cr.at(x, y)});
     const auto chroma = [&](const core::Plane<std::uint8_t>& plane) {
         const int left = x / 2, right = std::min(left + x % 2, plane.width() - 1), row = y / 2;
         return 0.5f * static_cast<float>(plane.at(left, row) + plane.at(right, row));

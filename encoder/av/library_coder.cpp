@@ -405,7 +405,7 @@ void check_modes(const encoder::Settings& settings) {
         throw core::Error("coding", name,
                           "pictures have " + size(facts.least_width, facts.least_height) + " to " + size(most, most) +
                               " pixels, these have " + size(settings.width, settings.height));
-    if (settings.width % 2 != 0 || settings.height % 2 != 0)
+    if (facts.even_sides() && (settings.width % 2 != 0 || settings.height % 2 != 0))
         throw core::Error("coding", name,
                           "width and height must be even, but the pictures are " + std::to_string(settings.width) +
                               "x" + std::to_string(settings.height));

@@ -141,11 +141,12 @@ void check_frame(const std::optional<std::string>& line, const std::string& name
 }
 
 /// Reads a picture. The stream has failed where its samples are not all there.
-core::Picture read_picture(std::istream& stream, const Y4mFormat& format, bool full_chroma, std::int64_t frame) {
+core::Picture read_picture(std::istream& stream, const Y4mFormat& format, core::ExactChroma chroma,
+                           std::int64_t frame) {
     std::vector<std::uint8_t> bytes(bytes_of(format));
     stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
     core::Picture picture;
-    if (stream) picture = picture_of(format, bytes, full_chroma);
+    if (stream) picture = picture_of(format, bytes, chroma);
     picture.number = frame;
     return picture;
 }
@@ -156,7 +157,7 @@ std::string frame_name(std::int64_t number) {
 
 }  // namespace
 
-Y4mReader::Y4mReader(const std::filesystem::path& file, bool full_chroma) : file_(file), full_chroma_(full_chroma) {
+Y4mReader::Y4mReader(const std::filesystem::path& file, core::ExactChroma chroma) : file_(file), chroma_(chroma) {
     std::error_code ignored;
     if (!std::filesystem::exists(file_, ignored)) throw core::Error("reading", file_.string(), "no such file");
     if (!std::filesystem::is_regular_file(file_, ignored)) throw core::Error("reading", file_.string(), "not a file");
@@ -185,18 +186,18 @@ core::Picture Y4mReader::read(std::int64_t frame) {
     EXPECTS(frame >= 0 && frame < frames());
     stream_.clear();
     stream_.seekg(static_cast<std::streamoff>(offsets_[static_cast<std::size_t>(frame)]));
-    core::Picture picture = read_picture(stream_, format_, full_chroma_, frame);
+    core::Picture picture = read_picture(stream_, format_, chroma_, frame);
     if (!stream_) throw core::Error("reading", file_.string(), frame_name(frame), "it cannot be read");
     return picture;
 }
 
-Y4mPipe::Y4mPipe(std::istream& stream, std::string name, bool full_chroma)
-    : stream_(stream), name_(std::move(name)), format_(read_header(stream, name_)), full_chroma_(full_chroma) {}
+Y4mPipe::Y4mPipe(std::istream& stream, std::string name, core::ExactChroma chroma)
+    : stream_(stream), name_(std::move(name)), format_(read_header(stream, name_)), chroma_(chroma) {}
 
 std::optional<core::Picture> Y4mPipe::next() {
     if (stream_.peek() == std::istream::traits_type::eof()) return {};
     check_frame(line_of(stream_, longest_line), name_, frame_name(frames_));
-    core::Picture picture = read_picture(stream_, format_, full_chroma_, frames_);
+    core::Picture picture = read_picture(stream_, format_, chroma_, frames_);
     if (!stream_) throw core::Error("reading", name_, frame_name(frames_), "it is cut off");
     ++frames_;
     return picture;

@@ -18,9 +18,9 @@ namespace render2mpeg::av {
 /// library.
 class Y4mReader {
   public:
-    /// `full_chroma`: of pictures of more than 8-bit 4:2:0. Throws core::Error for files that are cut off or damaged,
+    /// `chroma`: of pictures of more than 8-bit 4:2:0. Throws core::Error for files that are cut off or damaged,
     /// and, by name, for kinds that are not read.
-    explicit Y4mReader(const std::filesystem::path& file, bool full_chroma = false);
+    explicit Y4mReader(const std::filesystem::path& file, core::ExactChroma chroma = core::ExactChroma::none);
 
     const Y4mFormat& format() const { return format_; }
     std::int64_t frames() const { return static_cast<std::int64_t>(offsets_.size()); }
@@ -34,7 +34,7 @@ class Y4mReader {
     std::filesystem::path file_;
     std::ifstream stream_;
     Y4mFormat format_;
-    bool full_chroma_;
+    core::ExactChroma chroma_;
     std::vector<std::uint64_t> offsets_;  ///< of each frame's first sample
 };
 
@@ -42,7 +42,7 @@ class Y4mReader {
 class Y4mPipe {
   public:
     /// Waits for the header. `stream` must outlive it; messages call it `name`. Throws as Y4mReader does.
-    Y4mPipe(std::istream& stream, std::string name, bool full_chroma = false);
+    Y4mPipe(std::istream& stream, std::string name, core::ExactChroma chroma = core::ExactChroma::none);
 
     const Y4mFormat& format() const { return format_; }
 
@@ -53,7 +53,7 @@ class Y4mPipe {
     std::istream& stream_;
     std::string name_;
     Y4mFormat format_;
-    bool full_chroma_;
+    core::ExactChroma chroma_;
     std::int64_t frames_ = 0;  ///< that were read
 };
 

@@ -43,23 +43,24 @@ constexpr std::array<int, 4> quarter_back{-3, 29, 111, -9};
 
 /// Value at place i - 1/4 (direction -1) or i + 1/4 (direction 1) of a line of samples; ends are repeated.
 template <class At>
-std::uint8_t quarter(const At& at, int i, int last, int direction) {
-    int sum = 64;
+float quarter(const At& at, int i, int last, int direction) {
+    float sum = 0;
     for (int k = 0; k < 4; ++k)
-        sum += quarter_back[static_cast<std::size_t>(k)] * at(std::clamp(i - direction * (k - 2), 0, last));
-    return static_cast<std::uint8_t>(std::clamp(sum, 0, 128 * 255 + 127) >> 7);
+        sum += static_cast<float>(quarter_back[static_cast<std::size_t>(k)]) *
+               at(std::clamp(i - direction * (k - 2), 0, last));
+    return std::clamp(sum / 128, 0.0f, 255.0f);
 }
 
-Samples moved_across(const Samples& from, int direction) {
-    Samples to(from.width(), from.height());
+Values moved_across(const Values& from, int direction) {
+    Values to(from.width(), from.height());
     for (int y = 0; y < from.height(); ++y)
         for (int x = 0; x < from.width(); ++x)
             to.at(x, y) = quarter([&](int i) { return from.at(i, y); }, x, from.width() - 1, direction);
     return to;
 }
 
-Samples moved_down(const Samples& from, int direction) {
-    Samples to(from.width(), from.height());
+Values moved_down(const Values& from, int direction) {
+    Values to(from.width(), from.height());
     for (int y = 0; y < from.height(); ++y)
         for (int x = 0; x < from.width(); ++x)
             to.at(x, y) = quarter([&](int i) { return from.at(x, i); }, y, from.height() - 1, direction);
@@ -98,9 +99,9 @@ class Bytes {
     std::span<const std::uint8_t> rest_;
 };
 
-/// Samples of both planes of chroma where MPEG-2 has them; in their own: `jpeg` lies a quarter too far right; `paldv`
-/// has Cr a quarter too high and Cb a quarter too low.
-void move_chroma(Siting siting, Samples& cb, Samples& cr) {
+/// Brings both planes of 4:2:0 to where MPEG-2 has its samples; in their own places: `jpeg` lies a quarter too far
+/// right; `paldv` has Cr a quarter too high and Cb a quarter too low.
+void move_chroma(Siting siting, Values& cb, Values& cr) {
     if (siting == Siting::jpeg) {
         cb = moved_across(cb, -1);
         cr = moved_across(cr, -1);
@@ -117,9 +118,9 @@ Samples rounded(const Values& values) {
     return samples;
 }
 
-/// Chroma of 4:2:0 in MPEG-2's places: over columns 1 2 1 of 4:4:4, over rows the mean.
-Samples quartered(const Values& chroma, const Y4mFormat& format) {
-    if (format.chroma == Chroma::c420) return rounded(chroma);
+/// Chroma of 4:2:0: over columns 1 2 1 of 4:4:4, over rows the mean.
+Values quartered(const Values& chroma, const Y4mFormat& format) {
+    if (format.chroma == Chroma::c420) return chroma;
     Values quarter((format.width + 1) / 2, (format.height + 1) / 2);
     const int last_x = chroma.width() - 1, last_y = chroma.height() - 1;
     const auto across = [&](int x, int y) {
@@ -131,7 +132,7 @@ Samples quartered(const Values& chroma, const Y4mFormat& format) {
     for (int y = 0; y < quarter.height(); ++y)
         for (int x = 0; x < quarter.width(); ++x)
             quarter.at(x, y) = 0.5f * (across(x, 2 * y) + across(x, std::min(2 * y + 1, last_y)));
-    return rounded(quarter);
+    return quarter;
 }
 
 /// Chroma at every pixel; samples lie on the even columns, those of 4:2:0 between two rows.
@@ -158,32 +159,38 @@ std::size_t bytes_of(const Y4mFormat& format) {
     return (luma.samples() + 2 * chroma_of(format).samples()) * bytes_of_sample(format);
 }
 
-core::Picture picture_of(const Y4mFormat& format, std::span<const std::uint8_t> samples, bool full_chroma) {
+core::Picture picture_of(const Y4mFormat& format, std::span<const std::uint8_t> samples, core::ExactChroma exact) {
     EXPECTS(samples.size() == bytes_of(format));
     const Extent quarter{(format.width + 1) / 2, (format.height + 1) / 2};
     core::Picture picture;
     Bytes bytes(samples);
-    if (format.depth == 8 && format.chroma == Chroma::c420 && !format.full_range) {
+    const bool has_8_bits = format.depth == 8 && format.chroma == Chroma::c420 && !format.full_range;
+    if (has_8_bits && format.siting == Siting::mpeg2) {
         picture.y = Samples(format.width, format.height);
         picture.cb = picture.cr = Samples(quarter.width, quarter.height);
         for (Samples* plane : {&picture.y, &picture.cb, &picture.cr}) bytes.take(*plane);
-        move_chroma(format.siting, picture.cb, picture.cr);
         return picture;
     }
     picture.luma = bytes.values(format, {format.width, format.height}, false);
     picture.y = rounded(picture.luma);
+    if (has_8_bits) picture.luma = {};
     if (format.chroma == Chroma::none) {
         picture.cb = picture.cr = Samples(quarter.width, quarter.height, 128);
         return picture;
     }
-    const Values cb = bytes.values(format, chroma_of(format), true), cr = bytes.values(format, chroma_of(format), true);
-    picture.cb = quartered(cb, format);
-    picture.cr = quartered(cr, format);
-    move_chroma(format.chroma == Chroma::c420 ? format.siting : Siting::mpeg2, picture.cb, picture.cr);
-    const bool is_moved = format.chroma == Chroma::c420 && format.siting != Siting::mpeg2;
-    if (full_chroma && !is_moved) {
-        picture.full_cb = spread(cb, format);
-        picture.full_cr = spread(cr, format);
+    Values cb = bytes.values(format, chroma_of(format), true), cr = bytes.values(format, chroma_of(format), true);
+    if (format.chroma == Chroma::c420) move_chroma(format.siting, cb, cr);
+    if (exact == core::ExactChroma::full) {
+        picture.exact_cb = spread(cb, format);
+        picture.exact_cr = spread(cr, format);
+    }
+    cb = quartered(cb, format);
+    cr = quartered(cr, format);
+    picture.cb = rounded(cb);
+    picture.cr = rounded(cr);
+    if (exact == core::ExactChroma::halved) {
+        picture.exact_cb = std::move(cb);
+        picture.exact_cr = std::move(cr);
     }
     return picture;
 }

@@ -32,7 +32,7 @@ std::size_t bytes_of(const Y4mFormat& format);
 
 /// A picture of them. 8-bit 4:2:0 of limited range is handed over bit by bit but for chroma of other sitings than
 /// MPEG-2's, which a cubic filter moves by a quarter sample. All else becomes limited range, with luma before rounding
-/// and, if `full_chroma`, chroma at every pixel, between samples on straight lines.
-core::Picture picture_of(const Y4mFormat& format, std::span<const std::uint8_t> bytes, bool full_chroma);
+/// and chroma before rounding, at every pixel between samples on straight lines.
+core::Picture picture_of(const Y4mFormat& format, std::span<const std::uint8_t> bytes, core::ExactChroma chroma);
 
 }  // namespace render2mpeg::av

@@ -19,6 +19,13 @@ struct LightLevel {
     }
 };
 
+/// Chroma that pictures keep before rounding, beside their own.
+enum class ExactChroma : std::uint8_t {
+    none,
+    halved,  ///< of 4:2:0: codecs of ten bits
+    full     ///< at every pixel: codecs of 4:2:2 and 4:4:4
+};
+
 /// A picture in display order: 8-bit Y'CbCr 4:2:0, limited range (luma 16..235, chroma 16..240), chroma sited as in
 /// MPEG-2; chroma planes have (w + 1) / 2 by (h + 1) / 2 samples.
 struct Picture {
@@ -26,9 +33,8 @@ struct Picture {
     Plane<std::uint8_t> y, cb, cr;
     /// Luma before rounding, in code values: input of the visibility model. Empty for decoded pictures.
     Plane<float> luma;
-    /// Cb and Cr before rounding, code values, at every pixel. Empty unless a codec with more than 4:2:0, or
-    /// high dynamic range, asked for them.
-    Plane<float> full_cb, full_cr;
+    /// Cb and Cr before rounding, code values, as ExactChroma says.
+    Plane<float> exact_cb, exact_cr;
     Plane<float> alpha;  ///< coverage, 0..1, which colours are not multiplied by; empty: 1 throughout
     LightLevel level;    ///< of views that say how much light is shown
 

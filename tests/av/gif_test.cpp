@@ -33,7 +33,7 @@ core::Picture gradient(int width, int height, std::int64_t number, bool moves) {
     p.y = core::Plane<std::uint8_t>(width, height);
     p.cb = core::Plane<std::uint8_t>((width + 1) / 2, (height + 1) / 2, 120);
     p.cr = p.cb;
-    p.luma = p.full_cb = p.full_cr = core::Plane<float>(width, height);
+    p.luma = p.exact_cb = p.exact_cr = core::Plane<float>(width, height);
     std::uint32_t random = 7 + static_cast<std::uint32_t>(number);
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) {
@@ -42,8 +42,8 @@ core::Picture gradient(int width, int height, std::int64_t number, bool moves) {
             const bool inside = moves && x >= left && x < left + 12 && y >= 4 && y < 16;
             const auto noise = static_cast<float>(random >> 26);
             p.luma.at(x, y) = inside ? 60 + noise : 90 + 0.4f * static_cast<float>(x + y);
-            p.full_cb.at(x, y) = inside ? 100 + noise : 128 + 0.1f * static_cast<float>(x);
-            p.full_cr.at(x, y) = 128 - 0.1f * static_cast<float>(y);
+            p.exact_cb.at(x, y) = inside ? 100 + noise : 128 + 0.1f * static_cast<float>(x);
+            p.exact_cr.at(x, y) = 128 - 0.1f * static_cast<float>(y);
             p.y.at(x, y) = static_cast<std::uint8_t>(std::lround(p.luma.at(x, y)));
         }
     return p;

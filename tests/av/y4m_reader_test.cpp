@@ -200,10 +200,10 @@ TEST(Y4mReader, TakesAllDepthsAndKindsOfChroma) {
         std::ofstream(folder / "film.y4m", std::ios::binary)
             << "YUV4MPEG2 W" << width << " H" << height << " F25:1 C" << c.tag << "\nFRAME\n"
             << bytes;
-        const core::Picture read = av::Y4mReader(folder / "film.y4m", true).read(0);
+        const core::Picture read = av::Y4mReader(folder / "film.y4m", core::ExactChroma::full).read(0);
         ASSERT_EQ(av::Y4mReader(folder / "film.y4m").frames(), 1);
-        EXPECT_TRUE(av::Y4mReader(folder / "film.y4m").read(0).full_cb.empty()) << "nobody asked for it";
-        ASSERT_EQ(read.full_cr.size(), read.luma.size());
+        EXPECT_TRUE(av::Y4mReader(folder / "film.y4m").read(0).exact_cb.empty()) << "nobody asked for it";
+        ASSERT_EQ(read.exact_cr.size(), read.luma.size());
         ASSERT_EQ(read.cb.size(), std::size_t{33 * 24});
         const double step = 0.501 / (1 << (c.depth - 8));
         for (int y = 0; y < height; ++y)
@@ -212,12 +212,17 @@ TEST(Y4mReader, TakesAllDepthsAndKindsOfChroma) {
                 ASSERT_EQ(read.y.at(x, y), std::lround(read.luma.at(x, y)));
                 // Straight lines between samples of the wave err by half a code value, more at borders.
                 if (x < 2 || y < 2 || x > width - 3 || y > height - 3) continue;
-                ASSERT_NEAR(read.full_cb.at(x, y), chroma(x, y), c.across == 1 ? step : 0.6 + step);
+                ASSERT_NEAR(read.exact_cb.at(x, y), chroma(x, y), c.across == 1 ? step : 0.6 + step);
                 if (x % 2 == 0 && y % 2 == 0) {
                     ASSERT_NEAR(read.cb.at(x / 2, y / 2), chroma(x, y + 0.5), 0.8 + step);
                 }
             }
-        EXPECT_TRUE(read.cb == read.cr && read.full_cb == read.full_cr);
+        EXPECT_TRUE(read.cb == read.cr && read.exact_cb == read.exact_cr);
+        const core::Picture halved = av::Y4mReader(folder / "film.y4m", core::ExactChroma::halved).read(0);
+        ASSERT_EQ(halved.exact_cb.size(), read.cb.size());
+        for (std::size_t i = 0; i < read.cb.size(); ++i)
+            ASSERT_EQ(read.cb.values()[i], std::lround(halved.exact_cb.values()[i]));
+        EXPECT_TRUE(halved.cb == read.cb && halved.exact_cb == halved.exact_cr);
     }
 }
 
@@ -230,7 +235,7 @@ TEST(Y4mReader, PicturesWithoutChromaAreGrey) {
     }
     std::ofstream(folder / "film.y4m", std::ios::binary) << "YUV4MPEG2 W2 H2 F25:1 Cmono16 XCOLORRANGE=FULL\nFRAME\n"
                                                          << bytes;
-    const core::Picture read = av::Y4mReader(folder / "film.y4m", true).read(0);
+    const core::Picture read = av::Y4mReader(folder / "film.y4m", core::ExactChroma::full).read(0);
     EXPECT_EQ(read.y.at(0, 0), 16);
     EXPECT_NEAR(read.luma.at(1, 0), 16 + 219 * 32768.0 / 65535, 1e-4);
     EXPECT_EQ(read.y.at(0, 1), 235);

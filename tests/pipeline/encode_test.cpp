@@ -279,25 +279,71 @@ TEST(Encode, OddFramesAreShownWithTheirLastColumnAndRowTwice) {
                   y4m)
                   .status,
               0);
-    const auto made = run(program() + " encode " + y4m + " -o " + inside(folder, "film.mkv") + " --codec ffv1");
+    const auto made = run(program() + " encode " + y4m + " -o " + inside(folder, "film.mp4") + " -q 1");
     ASSERT_EQ(made.status, 0) << made.output;
     EXPECT_NE(made.output.find("63x47"), std::string::npos) << made.output;
     EXPECT_NE(made.output.find("64x48"), std::string::npos) << made.output;
     const auto raw = [&](const std::string& file, const std::string& filter) {
         return run("ffmpeg -v error -i " + file + " -vf " + filter + ",format=gray -f rawvideo -").output;
     };
-    const std::string film = inside(folder, "film.mkv");
-    const std::string whole = raw(film, "extractplanes=y,crop=63:47:0:0:exact=1");
-    ASSERT_EQ(whole.size(), 3u * 63 * 47);
-    EXPECT_EQ(whole, raw(y4m, "extractplanes=y"));
-    EXPECT_EQ(raw(film, "extractplanes=y,crop=1:48:63:0"), raw(film, "extractplanes=y,crop=1:48:62:0"));
-    EXPECT_EQ(raw(film, "extractplanes=y,crop=64:1:0:47"), raw(film, "extractplanes=y,crop=64:1:0:46"));
-    // MPEG-2 has odd sides.
-    ASSERT_EQ(run(program() + " encode --quiet " + y4m + " -o " + inside(folder, "film.mpg")).status, 0);
-    EXPECT_EQ(ffprobe(inside(folder, "film.mpg")).value("width", 0), 63);
+    const auto difference = [](const std::string& one, const std::string& other) {
+        EXPECT_EQ(one.size(), other.size());
+        double sum = 0;
+        for (std::size_t i = 0; i < one.size(); ++i)
+            sum += std::abs(static_cast<std::uint8_t>(one[i]) - static_cast<std::uint8_t>(other[i]));
+        return sum / static_cast<double>(one.size());
+    };
+    const std::string film = inside(folder, "film.mp4");
+    EXPECT_LT(difference(raw(film, "extractplanes=y,crop=63:47:0:0:exact=1"), raw(y4m, "extractplanes=y")), 1);
+    EXPECT_LT(difference(raw(film, "extractplanes=y,crop=1:48:63:0"), raw(film, "extractplanes=y,crop=1:48:62:0")), 2);
+    EXPECT_LT(difference(raw(film, "extractplanes=y,crop=64:1:0:47"), raw(film, "extractplanes=y,crop=64:1:0:46")), 2);
+    // MPEG-2 and codecs of 4:4:4 have odd sides.
+    for (const char* odd :
+         {"film.mpg", "f.mkv --codec ffv1", "film.gif", "l.mp4 --codec h264_lossless", "film.mov --codec prores4444"}) {
+        ASSERT_EQ(run(program() + " encode --quiet " + y4m + " -o " + inside(folder, odd)).status, 0) << odd;
+        const std::string file = inside(folder, std::string(odd).substr(0, std::string(odd).find(' ')));
+        EXPECT_EQ(ffprobe(file).value("width", 0), 63) << odd;
+        EXPECT_EQ(ffprobe(file).value("height", 0), 47) << odd;
+    }
+    EXPECT_EQ(raw(inside(folder, "f.mkv"), "extractplanes=y"), raw(y4m, "extractplanes=y")) << "without loss";
     const auto planned = run(program() + " plan --within 0 --size 63x47 -o film.mp4 " + support::plain_film());
     EXPECT_NE(planned.output.find("63x47: films in H.264 are made with even sides, 64x48"), std::string::npos)
         << planned.output;
+}
+
+TEST(Encode, ChromaOfTenBitsIsNotRoundedToEight) {
+    const Folder folder;
+    constexpr int side = 96;
+    std::ofstream stream(folder / "grey.y4m", std::ios::binary);
+    stream << "YUV4MPEG2 W" << side << " H" << side << " F25:1 C420p16\nFRAME\n";
+    const auto put = [&](int count, double value) {
+        const int code = static_cast<int>(256 * value);
+        for (int i = 0; i < count; ++i) stream.put(static_cast<char>(code & 255)).put(static_cast<char>(code >> 8));
+    };
+    put(side * side, 120);
+    put(side * side / 4, 100.5);
+    put(side * side / 4, 140.25);
+    stream.close();
+    for (const std::string codec : {"hevc", "av1"}) {
+        if (run("ffmpeg -v error -h encoder=" + std::string(codec == "av1" ? "libsvtav1" : "libx265"))
+                .output.find("preset") == std::string::npos)
+            continue;
+        const std::string film = inside(folder, codec + ".mp4");
+        ASSERT_EQ(
+            run(program() + " encode --quiet " + inside(folder, "grey.y4m") + " -o " + film + " -q 1 --codec " + codec)
+                .status,
+            0);
+        const std::string samples = run("ffmpeg -v error -i " + film + " -pix_fmt yuv420p10le -f rawvideo -").output;
+        ASSERT_EQ(samples.size(), 3u * side * side);
+        const auto mean = [&](std::size_t first) {
+            double sum = 0;
+            for (std::size_t i = first; i < first + side * side / 2; i += 2)
+                sum += static_cast<std::uint8_t>(samples[i]) + 256 * static_cast<std::uint8_t>(samples[i + 1]);
+            return sum / (side * side / 4);
+        };
+        EXPECT_NEAR(mean(2 * side * side), 4 * 100.5, 0.5) << codec;
+        EXPECT_NEAR(mean(2 * side * side + side * side / 2), 4 * 140.25, 0.5) << codec;
+    }
 }
 
 TEST(Encode, InfiniteLightIsWhite) {

@@ -105,9 +105,10 @@ void fill_plane(AVFrame& frame, int plane, const core::Plane<std::uint8_t>& samp
 void fill_exact(AVFrame& frame, int plane, int width, int height, int depth,
                 const std::function<float(int x, int y)>& value_at) {
     const float scale = static_cast<float>(1 << (depth - 8));
+    const long most = (1 << depth) - 1;
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) {
-            const long value = std::lround(scale * value_at(x, y));
+            const long value = std::min(std::lround(scale * value_at(x, y)), most);
             if (depth == 8)
                 row_of<std::uint8_t>(frame, plane, y)[x] = static_cast<std::uint8_t>(value);
             else
@@ -123,8 +124,14 @@ float between(const core::Plane<std::uint8_t>& plane, int x, int y) {
     return 0.75f * mean(near) + 0.25f * mean(far);
 }
 
-/// Chroma from full chroma where a picture has it; without it, of 4:2:2 or 4:4:4. Sited as perceptual/display.cpp has
-/// it.
+/// Chroma of 4:2:0, before rounding where a picture has it so.
+void fill_halved(AVFrame& frame, int plane, int depth, const core::Plane<float>& exact,
+                 const core::Plane<std::uint8_t>& rounded) {
+    if (depth == 8 || exact.empty()) return fill_plane(frame, plane, rounded, depth);
+    fill_exact(frame, plane, exact.width(), exact.height(), depth, [&](int x, int y) { return exact.at(x, y); });
+}
+
+/// Chroma of 4:2:2 or 4:4:4, from full chroma where a picture has it. Sited as perceptual/display.cpp has it.
 void fill_chroma(AVFrame& frame, int plane, const Layout& layout, const core::Plane<float>& full,
                  const core::Plane<std::uint8_t>& halved) {
     const auto at = [&](int x, int y) {
@@ -136,12 +143,7 @@ void fill_chroma(AVFrame& frame, int plane, const Layout& layout, const core::Pl
         if (full.empty()) return at(2 * x, y);
         return 0.25f * (at(2 * x - 1, y) + 2 * at(2 * x, y) + at(2 * x + 1, y));
     };
-    const bool low = layout.down == 1;
-    const int width = narrow ? (frame.width + 1) / 2 : frame.width,
-              height = low ? (frame.height + 1) / 2 : frame.height;
-    fill_exact(frame, plane, width, height, layout.depth, [&](int x, int y) {
-        return low ? 0.5f * (across(x, 2 * y) + across(x, std::min(2 * y + 1, frame.height - 1))) : across(x, y);
-    });
+    fill_exact(frame, plane, narrow ? (frame.width + 1) / 2 : frame.width, frame.height, layout.depth, across);
 }
 
 /// GIF's; black where it is open.
@@ -202,19 +204,16 @@ void fill(AVFrame& frame, const core::Picture& picture) {
             fill_dithered(frame, picture);
         else
             fill_plane(frame, 0, picture.y, layout.depth);
-        if (layout.depth == 8 || picture.full_cb.empty()) {
-            fill_plane(frame, 1, picture.cb, layout.depth);
-            fill_plane(frame, 2, picture.cr, layout.depth);
-            return;
-        }
+        fill_halved(frame, 1, layout.depth, picture.exact_cb, picture.cb);
+        fill_halved(frame, 2, layout.depth, picture.exact_cr, picture.cr);
     } else {
         fill_exact(frame, 0, frame.width, frame.height, layout.depth, [&](int x, int y) {
             return picture.luma.empty() ? static_cast<float>(picture.y.at(x, y))
                                         : std::clamp(picture.luma.at(x, y), 16.0f, 235.0f);
         });
+        fill_chroma(frame, 1, layout, picture.exact_cb, picture.cb);
+        fill_chroma(frame, 2, layout, picture.exact_cr, picture.cr);
     }
-    fill_chroma(frame, 1, layout, picture.full_cb, picture.cb);
-    fill_chroma(frame, 2, layout, picture.full_cr, picture.cr);
 }
 
 }  // namespace render2mpeg::av

@@ -12,7 +12,7 @@ core::Picture picture_of(const AVFrame& frame, std::int64_t number);
 bool is_known(const AVFrame& frame);
 
 /// Fills a frame, whose buffers are there and writable, with a picture. 4:2:0 of 10 bits has four times the values,
-/// luma dithered where the picture has it unrounded, chroma of full chroma; 4:2:2 and 4:4:4 have the nearest to
+/// luma dithered where the picture has it unrounded; all chroma, and luma of 4:2:2 and 4:4:4, is the nearest to
 /// unrounded values.
 void fill(AVFrame& frame, const core::Picture& picture);
 

@@ -136,8 +136,8 @@ Job prepare(const EncodeOptions& options) {
     if (has_pipe) motion_pipe = std::make_unique<MotionPipe>(*options.motion);
     const encoder::Codec codec = codec_of(options.coding, options.output);
     const bool alpha = encoder::facts_of(codec).has_alpha() && options.transparent != "off";
-    const bool even_sides = codec != encoder::Codec::mpeg2 && !options.motion && !options.stereo;
-    const FilmSignals signals{{}, view, chroma_of(codec, view), alpha, even_sides};
+    const bool even_sides = encoder::facts_of(codec).even_sides() && !options.motion && !options.stereo;
+    const FilmSignals signals{{}, view, encoder::facts_of(codec).exact_chroma(), alpha, even_sides};
     job.frames = open_frames(options.input, options.exposure, options.frames, signals, shared);
     encoder::Settings& coding = job.film.coding;
     const Preset* preset = options.coding.preset;

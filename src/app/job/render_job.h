@@ -108,7 +108,7 @@ struct RenderJob {
     /// With 0 EV before the exposure is known.
     perceptual::Display display() const {
         const int grain = kind == OutputKind::film ? encoder::grain_of_pictures(coding) : coding.grain;
-        return {exposure.value_or(0), colors().matrix, view, chroma_of(coding.codec, view), grain};
+        return {exposure.value_or(0), colors().matrix, view, encoder::facts_of(coding.codec).exact_chroma(), grain};
     }
     perceptual::PictureColors colors() const { return {perceptual::matrix_for(format.height, view), view}; }
     Film film() const {

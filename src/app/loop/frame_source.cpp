@@ -49,8 +49,8 @@ class Y4mSource : public FrameSource {
 
 class Y4mFrames : public Y4mSource {
   public:
-    Y4mFrames(const std::filesystem::path& file, const std::optional<FrameRange>& wanted, perceptual::Chroma chroma)
-        : reader_(file, chroma == perceptual::Chroma::full) {
+    Y4mFrames(const std::filesystem::path& file, const std::optional<FrameRange>& wanted, core::ExactChroma chroma)
+        : reader_(file, chroma) {
         take(reader_.format());
         frames_ = {0, reader_.frames() - 1};
         if (wanted) check_range(*wanted, frames_, file.string());
@@ -68,8 +68,8 @@ class Y4mFrames : public Y4mSource {
 /// Y4M from standard input. A reader keeps the frames that others asked for.
 class PipedFrames : public Y4mSource {
   public:
-    PipedFrames(const std::optional<FrameRange>& wanted, perceptual::Chroma chroma)
-        : pipe_(std::cin, "standard input", chroma == perceptual::Chroma::full) {
+    PipedFrames(const std::optional<FrameRange>& wanted, core::ExactChroma chroma)
+        : pipe_(std::cin, "standard input", chroma) {
         take(pipe_.format());
         frames_ = {0, most_piped_frames - 1};
         is_open_ended_ = true;
@@ -194,7 +194,7 @@ class ImageFrames : public FrameSource {
 
     std::filesystem::path pattern_;
     std::optional<perceptual::Display> display_;
-    perceptual::Chroma chroma_;
+    core::ExactChroma chroma_;
     perceptual::ColorMatrix matrix_ = perceptual::ColorMatrix::bt709;
     std::shared_ptr<SharedChannels> shared_;
     std::atomic<std::uint64_t> non_finite_ = 0;
@@ -215,8 +215,8 @@ class EvenFrames : public FrameSource {
         std::optional<core::Picture> picture = odd_->read(frame);
         if (!picture) return picture;
         extend(picture->y);
-        for (core::Plane<float>* plane : {&picture->luma, &picture->full_cb, &picture->full_cr, &picture->alpha})
-            extend(*plane);
+        for (core::Plane<float>* plane : {&picture->luma, &picture->exact_cb, &picture->exact_cr, &picture->alpha})
+            if (plane->width() == odd_->size().width && plane->height() == odd_->size().height) extend(*plane);
         return picture;
     }
     std::uint64_t non_finite() const override { return odd_->non_finite(); }

@@ -53,7 +53,7 @@ class FrameSource {
 struct FilmSignals {
     std::optional<perceptual::ColorMatrix> matrix = {};  ///< none: by the pictures' height
     core::View view = {};                                ///< of scene-linear images
-    perceptual::Chroma chroma = perceptual::Chroma::halved;
+    core::ExactChroma chroma = core::ExactChroma::none;
     bool alpha = false;       ///< it has that of its images; else they are over black
     bool even_sides = false;  ///< the last column or row of frames with odd ones is shown twice
 };

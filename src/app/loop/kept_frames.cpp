@@ -26,8 +26,8 @@ std::array<std::span<std::uint8_t>, 7> bytes_of(core::Picture& picture) {
         const std::span<float> values = plane.values();
         return std::span(reinterpret_cast<std::uint8_t*>(values.data()), values.size_bytes());
     };
-    return {picture.y.values(),     picture.cb.values(),    picture.cr.values(), bytes(picture.luma),
-            bytes(picture.full_cb), bytes(picture.full_cr), bytes(picture.alpha)};
+    return {picture.y.values(),      picture.cb.values(),     picture.cr.values(), bytes(picture.luma),
+            bytes(picture.exact_cb), bytes(picture.exact_cr), bytes(picture.alpha)};
 }
 
 std::uint64_t bytes_in(core::Picture& picture) {
@@ -108,7 +108,10 @@ core::Picture KeptFrames::empty() const {
     picture.y = core::Plane<std::uint8_t>(width, height);
     picture.cb = picture.cr = core::Plane<std::uint8_t>((width + 1) / 2, (height + 1) / 2);
     if (chunk_.unrounded) picture.luma = core::Plane<float>(width, height);
-    if (chunk_.full_chroma) picture.full_cb = picture.full_cr = core::Plane<float>(width, height);
+    if (chunk_.chroma == core::ExactChroma::full)
+        picture.exact_cb = picture.exact_cr = core::Plane<float>(width, height);
+    if (chunk_.chroma == core::ExactChroma::halved)
+        picture.exact_cb = picture.exact_cr = core::Plane<float>((width + 1) / 2, (height + 1) / 2);
     if (chunk_.alpha) picture.alpha = core::Plane<float>(width, height);
     return picture;
 }
@@ -140,7 +143,7 @@ void KeptFrames::add(core::Picture picture) {
     if (ends_) return;
     if (chunk_.needs_pictures) {
         if (!chunk_.unrounded) picture.luma = {};
-        if (!chunk_.full_chroma) picture.full_cb = picture.full_cr = {};
+        if (chunk_.chroma == core::ExactChroma::none) picture.exact_cb = picture.exact_cr = {};
         for (const std::span<std::uint8_t> plane : bytes_of(picture))
             stream_.write(reinterpret_cast<const char*>(plane.data()), static_cast<std::streamsize>(plane.size()));
         head_["pictures"].push_back(sum_of(picture));

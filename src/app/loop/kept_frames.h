@@ -24,8 +24,8 @@ struct KeptChunk {
     int width = 0, height = 0;    ///< of pictures
     bool needs_pictures = false;  ///< their coding is repeated
     bool unrounded = false;       ///< with Picture::luma, which codecs of ten bits take
-    bool full_chroma = false;     ///< with Picture::full_cb and full_cr, which masters and high dynamic range take
-    bool alpha = false;           ///< with Picture::alpha
+    core::ExactChroma chroma = core::ExactChroma::none;
+    bool alpha = false;                                                          ///< with Picture::alpha
     std::function<std::vector<std::filesystem::path>(std::int64_t)> products{};  ///< files that a frame has already
     std::function<void(RunStatistics&)> add_times = [](RunStatistics&) {};       ///< of the run, to those of the chunk
 };

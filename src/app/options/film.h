@@ -109,11 +109,6 @@ ViewAndCodec view_and_codec_from(const std::string& word);
 encoder::Settings coding_settings(const CodingOptions& options, const Shape& shape, std::int64_t first,
                                   const std::filesystem::path& output, const core::View& view = {});
 
-/// What pictures must keep for a codec.
-inline perceptual::Chroma chroma_of(encoder::Codec codec, const core::View& view) {
-    return encoder::facts_of(codec).master || view.is_hdr() ? perceptual::Chroma::full : perceptual::Chroma::halved;
-}
-
 /// The view that options ask for, else this one.
 core::View view_of(const FilmOptions& options, const core::View& own);
 /// Refuses a --peak that no film in this view has. Throws UsageError.

@@ -233,7 +233,7 @@ std::optional<KeptFrames> ChunkProduction::kept_of(const Chunk& chunk) const {
     of.needs_pictures = film_.kind == OutputKind::film || film_.kind == OutputKind::y4m;
     const encoder::CodecFacts& codec = encoder::facts_of(film_.coding.codec);
     of.unrounded = film_.kind == OutputKind::film && codec.takes_unrounded();
-    of.full_chroma = film_.kind == OutputKind::film && (codec.master || film_.view.is_hdr());
+    if (film_.kind == OutputKind::film) of.chroma = codec.exact_chroma();
     of.alpha = film_.coding.alpha;
     of.products = [this](std::int64_t n) { return images_of(film_, options_, {n, n}); };
     if (at_once_ == 1)

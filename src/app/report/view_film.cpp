@@ -69,7 +69,7 @@ ViewFilm::ViewFilm(const SideFilmRequest& asked, const RenderJob& film, WorkFold
 void ViewFilm::open(const Chunk& chunk) {
     // The exposure may be measured after the side films are made.
     display_.emplace(render_.exposure.value_or(0), perceptual::matrix_for(render_.format.height, view_), view_,
-                     chroma_of(film().coding.codec, view_), encoder::grain_of_pictures(film().coding));
+                     encoder::facts_of(film().coding.codec).exact_chroma(), encoder::grain_of_pictures(film().coding));
     coder_ = std::make_unique<PictureCoder>(film(), chunk, std::span<const encoder::BitAllocation>(), shots_,
                                             statistics_, false);
     light_ = {};
