@@ -3,16 +3,15 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <cmath>
-#include <deque>
+#include <functional>
+#include <numeric>
 #include <optional>
-#include <span>
 #include <utility>
 #include <vector>
 
+#include "app/commands/encode_job.h"
+#include "app/commands/encode_passes.h"
 #include "app/commands/render_stream.h"
-#include "app/estimate/first_pass.h"
 #include "app/files/file_io.h"
 #include "app/files/output_stream.h"
 #include "app/files/publish.h"
@@ -20,9 +19,7 @@
 #include "app/job/scene_settings.h"
 #include "app/loop/frame_source.h"
 #include "app/loop/grain_cost.h"
-#include "app/loop/motion.h"
 #include "app/loop/motion_source.h"
-#include "app/loop/picture_coder.h"
 #include "app/loop/statistics_recorder.h"
 #include "app/options/mistakes.h"
 #include "app/options/output_kind.h"
@@ -38,33 +35,11 @@
 #include "core/text.h"
 #include "encoder/av/av.h"
 #include "encoder/av/coders.h"
-#include "encoder/bit_allocation.h"
 #include "encoder/codec.h"
-#include "encoder/rate_search.h"
 #include "parallel/loops.h"
 
 namespace render2mpeg::app {
 namespace {
-
-struct Job {
-    std::unique_ptr<FrameSource> frames;
-    std::unique_ptr<MotionSource> motion;  ///< null: not given
-    Film film;
-    std::vector<encoder::BitAllocation> allocations;  ///< one per frame, where there is a first pass
-
-    /// Whether its frames and their motion can be read again.
-    bool is_there() const { return !frames->is_open_ended() && (motion == nullptr || !motion->is_read_once()); }
-};
-
-/// The first chunk, or the one after `before`; none behind the last. An open-ended film has chunks of usual length.
-std::optional<Chunk> chunk_after(const Film& film, const std::optional<Chunk>& before) {
-    // chosen: longer than any chunk is.
-    const std::int64_t far = film.frames.first + 100'000;
-    const Chunk first = chunks_of({film.frames.first, std::min(film.frames.last, far)}, film.coding.gop).front();
-    if (!before) return first;
-    if (before->last >= film.frames.last) return {};
-    return Chunk{before->index + 1, before->last + 1, std::min(before->last + first.frames(), film.frames.last)};
-}
 
 std::string input_name(const EncodeOptions& options) {
     return options.input == "-" ? "standard input" : options.input.string();
@@ -108,12 +83,12 @@ std::unique_ptr<MotionSource> motion_files(const EncodeOptions& options, const F
     return files;
 }
 
-Job prepare(const EncodeOptions& options) {
+EncodeJob prepare(const EncodeOptions& options) {
     if (kind_of(options.output) != OutputKind::film)
         throw core::Error("writing", options.output.string(),
                           "a film is coded: .mpg, .vob, .ts, .m2v, .mkv, .webm, .gif, .mp4 or .mov");
     if (!options.as) check_apart({Files(options.input)}, {Files(options.output), Files(options.stats.value_or(""))});
-    Job job;
+    EncodeJob job;
     // Frames and their motion are often the same files.
     const auto shared =
         options.motion && *options.motion == options.input ? std::make_shared<SharedChannels>() : nullptr;
@@ -166,202 +141,8 @@ Job prepare(const EncodeOptions& options) {
     return job;
 }
 
-/// Motion of one frame by files; none where none are given. Its time counts as reading.
-class FileMotion : public Motion {
-  public:
-    FileMotion(Job& job, std::int64_t frame, RunStatistics& statistics)
-        : job_(job), frame_(frame), statistics_(statistics) {}
-
-    /// Beyond the source's reach a point is taken to rest (going on as before needs up to 1.4 % more bits).
-    const core::MotionField* onward(std::int64_t horizon) override {
-        const std::int64_t reached = std::min(horizon, frame_ + MotionSource::reach_onward);
-        const core::MotionField* field = to(reached);
-        if (field == nullptr || reached == horizon) return field;
-        onward_ = *field;
-        onward_.reference = horizon;
-        return &onward_;
-    }
-
-  private:
-    std::optional<core::MotionField> find(std::int64_t reference) override {
-        if (!job_.motion) return std::nullopt;
-        const StageTimer timer(statistics_, Stage::develop);
-        return job_.motion->between(frame_, reference);
-    }
-
-    Job& job_;
-    std::int64_t frame_;
-    RunStatistics& statistics_;
-    core::MotionField onward_;
-};
-
-/// A rough coding of the chunk's first pictures: those that are read ahead anyway.
-std::vector<encoder::FirstPassPicture> try_first(Job& job, const Film& film, const Chunk& chunk, FramesAhead& ahead,
-                                                 RunStatistics& statistics) {
-    const std::deque<core::Picture>& pictures = ahead.waiting(statistics);
-    if (pictures.empty()) return {};
-    Film fast = film;
-    fast.coding = rough(film.coding, usual_quantiser(film.coding));
-    PictureCoder coder(fast, {chunk.index, chunk.first, pictures.back().number}, {}, {}, statistics, false,
-                       &ahead.look());
-    FirstPassCollector trial(fast.coding);
-    for (const core::Picture& picture : pictures) {
-        FileMotion motion(job, picture.number, statistics);
-        const encoder::PicturePlan plan = coder.plan(picture.number, ahead.look().cut_before(picture.number), motion);
-        trial.all(coder.code(picture, plan, motion));
-    }
-    trial.all(coder.flush());
-    return trial.film();
-}
-
-/// Codes one chunk, also where it ends early. `allocations`: of the film's frames; empty: there are none. Returns
-/// whether it is whole.
-bool encode_chunk(Job& job, const Film& film, const Chunk& chunk, std::span<const encoder::BitAllocation> allocations,
-                  LoopObserver& observer, RunStatistics& statistics, Progress& progress) {
-    observer.begins(chunk);
-    FramesAhead ahead(*job.frames, chunk, film.coding);
-    PictureCoder coder(film, chunk, allocations, {}, statistics, false, &ahead.look());
-    if (film.coding.rate_control.bit_rate > 0 && allocations.empty())
-        coder.expect(try_first(job, film, chunk, ahead, statistics));
-
-    bool whole = true;
-    for (std::int64_t n = chunk.first; n <= chunk.last && whole; ++n) {
-        {
-            const FrameTimer timer(statistics);
-            const std::optional<core::Picture> picture = ahead.next(statistics);
-            if (!picture) break;  // an open-ended source has ended
-            FileMotion motion(job, n, statistics);
-            std::vector<const core::Picture*> pictures{&*picture};
-            for (const core::Picture& later : ahead.later()) pictures.push_back(&later);
-            const encoder::PicturePlan coding = coder.plan(n, ahead.look().cut_before(n), motion, pictures);
-            observer.read(*picture, n > chunk.first ? motion.to(n - 1) : nullptr);
-            observer.all(coder.code(*picture, coding, motion));
-        }
-        progress.advance();
-        whole = !InterruptGuard::requested() || n == chunk.last;
-    }
-    observer.all(coder.flush());
-    if (whole) observer.ends(chunk);
-    return whole;
-}
-
-/// Codes chunks with one quantiser to learn their sizes. Empty after an interruption.
-std::vector<encoder::FirstPassPicture> code_roughly(Job& job, std::span<const Chunk> chunks, double quantiser,
-                                                    bool quiet) {
-    Film fast = job.film;
-    fast.coding = rough(fast.coding, quantiser);
-    Progress progress(chunks.back().last - chunks.front().first + 1, quiet, "first pass", Counted::frames_of_step);
-    FirstPassCollector collector(fast.coding);
-    RunStatistics statistics;
-    for (const Chunk& chunk : chunks)
-        if (!encode_chunk(job, fast, chunk, {}, collector, statistics, progress) || InterruptGuard::requested())
-            return {};
-    return collector.film();
-}
-
-/// Geometric mean of the planned quantisers over those of the first pass.
-double change_of(std::span<const encoder::BitAllocation> allocations, std::span<const encoder::FirstPassPicture> film) {
-    double logarithms = 0;
-    for (const encoder::BitAllocation& allocation : allocations) logarithms += std::log(allocation.quantiser);
-    for (const encoder::FirstPassPicture& picture : film) logarithms -= std::log(picture.quantiser);
-    return std::exp(logarithms / static_cast<double>(std::max<std::size_t>(1, film.size())));
-}
-
-/// What the film comes to with one quantiser (MPEG-2's like) and an effort, which stays allocated. None after an
-/// interruption.
-std::optional<double> rehearsed_bits(Job& job, double quantiser, encoder::Effort effort, bool quiet) {
-    job.allocations.assign(static_cast<std::size_t>(job.film.frame_count()), {.quantiser = quantiser});
-    Film film = job.film;
-    film.coding.effort = effort;
-    Progress progress(film.frame_count(), quiet, "first pass", Counted::frames_of_step);
-    FirstPassCollector counter(film.coding);
-    RunStatistics statistics;
-    for (const Chunk& chunk : chunks_of(film.frames, film.coding.gop))
-        if (!encode_chunk(job, film, chunk, job.allocations, counter, statistics, progress) ||
-            InterruptGuard::requested())
-            return {};
-    double bits = 0;
-    for (const encoder::FirstPassPicture& picture : counter.film()) bits += picture.bits;
-    return bits;
-}
-
-/// Allocates to another codec than MPEG-2 the one quantiser that reaches the film's rate: the fast effort tells how
-/// bits follow quantisers, a pass or more of the film's own effort what it makes of them.
-void reach_rate(Job& job, bool quiet) {
-    const encoder::Settings& coding = job.film.coding;
-    const double wanted = static_cast<double>(coding.rate_control.bit_rate) *
-                          static_cast<double>(job.film.frame_count()) / coding.rate.hertz.value();
-    const double usual = usual_quantiser(coding);
-    double best = usual;
-    // False after an interruption.
-    const auto searched = [&](encoder::RateSearch& search, encoder::Effort effort) {
-        while (search.goes_on()) {
-            const double quantiser = usual * search.factor();
-            const std::optional<double> bits = rehearsed_bits(job, quantiser, effort, quiet);
-            if (!bits) return false;
-            if (search.try_ratio(*bits / wanted)) best = quantiser;
-        }
-        return true;
-    };
-    // chosen: within 5 %, five at most: efforts differ by more. Then within 1 %: most films by the second try.
-    encoder::RateSearch roughly(0.05, 5);
-    if (!searched(roughly, encoder::Effort::fast)) return;
-    encoder::RateSearch search = roughly.onwards(0.01, 8);
-    if (!searched(search, coding.effort)) return;
-    for (encoder::BitAllocation& allocation : job.allocations) allocation.quantiser = best;
-}
-
-/// Allocates the bits of chunks by a first pass, which is repeated where its quantiser was far off.
-std::vector<encoder::BitAllocation> first_pass(Job& job, std::span<const Chunk> chunks, bool quiet) {
-    // chosen: again beyond a factor of 1.5, and no more than twice (1.2..3): noise for which 2 was guessed and 18 is
-    // right was 28 % over its rate.
-    constexpr double far = 1.5;
-    double quantiser = usual_quantiser(job.film.coding);
-    for (int again = 2;; --again) {
-        const std::vector<encoder::FirstPassPicture> film = code_roughly(job, chunks, quantiser, quiet);
-        if (film.empty()) return {};
-        std::vector<encoder::BitAllocation> allocations =
-            encoder::allocate_bits(job.film.coding, film, 1.0, chunks.back().last == job.film.frames.last);
-        const double change = change_of(allocations, film);
-        if (again == 0 || (change < far && change > 1 / far)) return allocations;
-        const double nearer = std::clamp(std::round(quantiser * change), 1.0, 31.0);
-        if (nearer == quantiser) return allocations;
-        quantiser = nearer;
-    }
-}
-
-/// Makes the first pass where one is wanted. Returns whether nobody interrupted.
-bool allocate(Job& job, const EncodeOptions& options, RunStatistics& statistics) {
-    if (two_passes(options.coding) && job.is_there()) {
-        const StageTimer timer(statistics, Stage::first_pass);
-        if (job.film.coding.codec == encoder::Codec::mpeg2)
-            job.allocations = first_pass(job, chunks_of(job.film.frames, job.film.coding.gop), options.quiet);
-        else
-            reach_rate(job, options.quiet);
-    }
-    return !InterruptGuard::requested();
-}
-
-/// Allocates the bits of one pass from a chunk on: some chunks are there to be looked through before they are coded,
-/// and share their bits. False after an interruption.
-bool look_through(Job& job, const Chunk& first, bool quiet, RunStatistics& statistics) {
-    // chosen: four, some 240 pictures: cuts come more often than that. By single chunks, half of the loss beside two
-    // passes is left.
-    constexpr std::int64_t together = 4;
-    if (first.index % together != 0) return true;
-    std::vector<Chunk> chunks{first};
-    while (std::ssize(chunks) < together && chunks.back().last < job.film.frames.last)
-        chunks.push_back(*chunk_after(job.film, chunks.back()));
-    const std::vector<encoder::BitAllocation> allocated =
-        timed(statistics, Stage::first_pass, [&] { return first_pass(job, chunks, quiet); });
-    if (allocated.empty()) return false;
-    job.allocations.resize(static_cast<std::size_t>(job.film.frame_count()));
-    std::copy(allocated.begin(), allocated.end(), job.allocations.begin() + (first.first - job.film.frames.first));
-    return true;
-}
-
 /// Codes the film and sets its last frame. Returns whether it is whole.
-bool encode_chunks(Job& job, const EncodeOptions& options, LoopObserver& sink, RunStatistics& statistics) {
+bool encode_chunks(EncodeJob& job, const EncodeOptions& options, LoopObserver& sink, RunStatistics& statistics) {
     const bool open_ended = job.frames->is_open_ended();
     // The source alone knows how many frames will come.
     Progress progress(job.film.frame_count(), options.quiet || open_ended);
@@ -412,7 +193,7 @@ class ChunkFiles : public LoopObserver {
     bool open_ = false;  ///< the last one
 };
 
-void print_notes(const Job& job, const EncodeOptions& options) {
+void print_notes(const EncodeJob& job, const EncodeOptions& options) {
     std::vector<std::string> notes = unused_options(options);
     notes.push_back(job.frames->note());
     notes.push_back(unused_keyframes(job.film.keyframes, job.film.frames));
@@ -423,7 +204,7 @@ void print_notes(const Job& job, const EncodeOptions& options) {
 }
 
 /// Prints and writes the results; a failure of one stops no other.
-void tell(const Job& job, const EncodeOptions& options, RunStatistics& statistics, const RunFacts& facts) {
+void tell(const EncodeJob& job, const EncodeOptions& options, RunStatistics& statistics, const RunFacts& facts) {
     statistics.rendering.non_finite = job.frames->non_finite();
     ErrorCollector errors;
     if (options.stats)
@@ -441,12 +222,61 @@ void tell(const Job& job, const EncodeOptions& options, RunStatistics& statistic
     errors.rethrow();
 }
 
-RunFacts encode_to_file(Job& job, const EncodeOptions& options, const std::string& command, RunStatistics& statistics) {
+/// Pictures to be passed on when it is known that they count.
+class HeldBack : public LoopObserver {
+  public:
+    void coded(const encoder::CodedPicture& picture) override {
+        encoder::CodedPicture& kept = pictures_.emplace_back();
+        kept.plan = picture.plan;
+        kept.bytes = picture.bytes;
+    }
+    void pass_on(LoopObserver& to) const { to.all(pictures_); }
+
+  private:
+    std::vector<encoder::CodedPicture> pictures_;
+};
+
+bool reaches_rate_by_tries(const EncodeJob& job, const EncodeOptions& options) {
+    return two_passes(options.coding) && job.is_there() && job.film.coding.codec != encoder::Codec::mpeg2;
+}
+
+/// Codes the film, in as many passes as it wants. `begin` makes where it goes anew for each try. Sets its last frame.
+/// Returns whether it is whole.
+bool encode_film(EncodeJob& job, const EncodeOptions& options, const std::function<LoopObserver&()>& begin,
+                 RunStatistics& statistics) {
+    if (reaches_rate_by_tries(job, options)) {
+        std::optional<RunStatistics> tried;
+        const auto all_of = [](const StageSeconds& stages) {
+            return std::accumulate(stages.begin(), stages.end(), 0.0);
+        };
+        const auto code = [&]() -> std::optional<double> {
+            if (tried) statistics.of(Stage::first_pass) += all_of(tried->seconds) - all_of(statistics.seconds);
+            tried = statistics;
+            if (!encode_chunks(job, options, begin(), *tried)) return {};
+            double bits = 0;
+            for (const FrameEntry& frame : tried->frames) bits += 8.0 * static_cast<double>(frame.bytes);
+            return bits;
+        };
+        const bool whole = code_at_rate(job, code, options.quiet, statistics);
+        if (tried) statistics = std::move(*tried);
+        return whole;
+    }
+    if (two_passes(options.coding) && job.is_there()) {
+        const StageTimer timer(statistics, Stage::first_pass);
+        job.allocations = first_pass(job, chunks_of(job.film.frames, job.film.coding.gop), options.quiet);
+        if (job.allocations.empty()) return false;
+    }
+    return encode_chunks(job, options, begin(), statistics);
+}
+
+RunFacts encode_to_file(EncodeJob& job, const EncodeOptions& options, const std::string& command,
+                        RunStatistics& statistics) {
     WorkFolder work(options.output, identity_of(job.film, command));
-    if (!allocate(job, options, statistics)) return {};
-    ChunkFiles chunks(work);
-    const bool complete = encode_chunks(job, options, chunks, statistics);
-    const std::vector<ChunkFile>& files = chunks.close();
+    std::optional<ChunkFiles> chunks;
+    const auto begin = [&]() -> LoopObserver& { return chunks.emplace(work); };
+    const bool complete = encode_film(job, options, begin, statistics);
+    if (!chunks) return {};
+    const std::vector<ChunkFile>& files = chunks->close();
     if (files.empty()) throw core::Error("reading", input_name(options), "it holds no pictures");
 
     job.film.coding.light = statistics.light;
@@ -455,13 +285,21 @@ RunFacts encode_to_file(Job& job, const EncodeOptions& options, const std::strin
     return {command, input_name(options), published.name.string(), published.bytes, complete, published.loudness};
 }
 
-RunFacts encode_to_stream(Job& job, const EncodeOptions& options, const std::string& command,
+RunFacts encode_to_stream(EncodeJob& job, const EncodeOptions& options, const std::string& command,
                           RunStatistics& statistics) {
     check_pipe(STDOUT_FILENO);
     OutputStream out(STDOUT_FILENO, stream_name);
-    if (!allocate(job, options, statistics)) return {};
     CodedStream stream(out, options.output, job.film);
-    const bool complete = encode_chunks(job, options, stream, statistics);
+    std::optional<HeldBack> held;
+    bool begun = false;
+    const auto begin = [&]() -> LoopObserver& {
+        begun = true;
+        if (!reaches_rate_by_tries(job, options)) return stream;
+        return held.emplace();
+    };
+    const bool complete = encode_film(job, options, begin, statistics);
+    if (!begun) return {};
+    if (held) held->pass_on(stream);
     if (statistics.frames.empty()) throw core::Error("reading", input_name(options), "it holds no pictures");
     stream.finish();
     out.finish();
@@ -476,7 +314,7 @@ int encode(const EncodeOptions& options, const std::string& command) {
     const InterruptGuard guard(options.quiet);
 
     RunStatistics statistics;
-    Job job = timed(statistics, Stage::load, [&] { return prepare(options); });
+    EncodeJob job = timed(statistics, Stage::load, [&] { return prepare(options); });
     if (!options.quiet) print_notes(job, options);
     std::vector<Files> films;
     if (!options.as) films.emplace_back(options.output);
