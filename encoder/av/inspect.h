@@ -30,7 +30,7 @@ struct StreamFacts {
     core::LightLevel light;  ///< likewise
     std::optional<encoder::SphereBounds> sphere;            ///< its pictures are panoramas, as the container says
     core::FramePacking packing = core::FramePacking::none;  ///< for two eyes, likewise
-    std::string title, timecode;                            ///< UTF-8, as the container says; empty: none
+    std::string title, timecode;                            ///< UTF-8, as the container, or MPEG-2, says; empty: none
     int chapters = 0;                                       ///< likewise
     std::int64_t bit_rate = 0;                              ///< as declared, bits per second; 0: not said
     std::int64_t buffer_bits = 0;                           ///< of the decoder's buffer as declared; 0: not said

@@ -270,8 +270,8 @@ TEST(Muxer, KeepsTitleTimecodeAndChapters) {
         const fs::path file = film.mux(folder / name);
         const av::StreamFacts told = av::inspect(file).stream;
         const bool has = av::can_have_chapters(name);
-        EXPECT_EQ(told.title, has ? "Café, second cut" : "") << name;
-        EXPECT_EQ(told.timecode, has ? "01:02:03;04" : "") << name;
+        EXPECT_EQ(told.title, av::can_have_title(name) ? "Café, second cut" : "") << name;
+        EXPECT_EQ(told.timecode, has ? "01:02:03;04" : "") << name << ": its groups are of another encoder";
         EXPECT_EQ(told.chapters, has ? 3 : 0) << name;
         EXPECT_EQ(decoded(file).size(), 12u) << name;
         const std::string text = run("ffprobe -v error -show_chapters -show_programs " + file.string()).output;

@@ -73,6 +73,18 @@ TEST(AlsoFilms, HaveTheFilmsSoundAndHeatmapsNoneSlow) {
     EXPECT_EQ(contents(path(folder, "a.mp4")), contents(path(folder, "b.mp4")));
 }
 
+TEST(AlsoFilms, BesideImagesHaveTheirLabels) {
+    const Folder folder;
+    const auto made = run(program() + " render " + plain_film() +
+                          " --frames 0:1 --size 63x47 --exposure 0 --quiet -o " + path(folder, "a.%04d.png") +
+                          " --also neutral " + path(folder, "b.mov") + " --title Dawn --timecode 01:00:00:07");
+    ASSERT_EQ(made.status, 0) << made.output;
+    const auto told = run(program() + " info " + path(folder, "b.mov"));
+    EXPECT_NE(told.output.find("title      Dawn"), std::string::npos) << told.output;
+    EXPECT_NE(told.output.find("timecode   01:00:00:07"), std::string::npos) << told.output;
+    EXPECT_EQ(ffprobe(path(folder, "b.mov")).value("width", 0), 64) << "H.264 has even sides, and so has its light";
+}
+
 TEST(AlsoFilms, AreRefusedInOneLine) {
     const Folder folder;
     const auto refused = [&](const std::string& words, const std::string& why) {

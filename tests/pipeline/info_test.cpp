@@ -51,6 +51,23 @@ void make_foreign(const std::string& file, const std::string& options) {
     ASSERT_EQ(outcome.status, 0) << outcome.output;
 }
 
+TEST(Info, TellsTitlesOfTransportStreamsAndTimecodesOfGroups) {
+    const Folder folder;
+    const auto source = run("ffmpeg -v error -f lavfi -i testsrc2=size=176x144:rate=25 -frames:v 20 -pix_fmt yuv420p " +
+                            path(folder, "s.y4m"));
+    ASSERT_EQ(source.status, 0) << source.output;
+    const auto made = [&](const std::string& name, const std::string& options) {
+        const auto outcome =
+            run(program() + " encode --quiet " + path(folder, "s.y4m") + " -o " + path(folder, name) + options);
+        EXPECT_EQ(outcome.status, 0) << outcome.output;
+        return info(path(folder, name));
+    };
+    EXPECT_EQ(made("a.ts", " --title Dawn").at("title"), "Dawn");
+    EXPECT_EQ(made("b.mpg", " --timecode 01:02:03:04").at("timecode"), "01:02:03:04");
+    const json plain = made("c.ts", "");
+    EXPECT_TRUE(plain.at("title").is_null() && plain.at("timecode").is_null()) << plain;
+}
+
 class EveryContainer : public testing::TestWithParam<const char*> {};
 
 TEST_P(EveryContainer, TellsTypesAndSizesAsFfprobeDoesSlow) {

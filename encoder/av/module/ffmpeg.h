@@ -15,6 +15,7 @@ extern "C" {
 #include <libavutil/samplefmt.h>
 #include <libavutil/spherical.h>
 #include <libavutil/stereo3d.h>
+#include <libavutil/timecode.h>
 #include <libavutil/video_enc_params.h>
 #include <libswresample/swresample.h>
 }

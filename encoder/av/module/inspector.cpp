@@ -1,8 +1,10 @@
 #include "encoder/av/module/inspector.h"
 
+#include <array>
 #include <cstring>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -147,7 +149,19 @@ class InspectedFilm {
         facts.coded = number_of(*frame_);
         if (frame_->flags & AV_FRAME_FLAG_CORRUPT) facts.damage = "libavcodec marks it as damaged";
         if (frame_->decode_error_flags != 0) facts.damage = "parts of it are missing or broken";
+        if (result_.pictures.empty()) read_group_time();
         result_.pictures.push_back(facts);
+    }
+
+    /// Of MPEG-2's first group, where it is not midnight, which may stand for none.
+    void read_group_time() {
+        const AVFrameSideData* data = av_frame_get_side_data(frame_.get(), AV_FRAME_DATA_GOP_TIMECODE);
+        if (data == nullptr || data->size < sizeof(std::int64_t)) return;
+        std::int64_t packed = 0;
+        std::memcpy(&packed, data->data, sizeof packed);
+        std::array<char, AV_TIMECODE_STR_SIZE> text{};
+        av_timecode_make_mpeg_tc_string(text.data(), static_cast<std::uint32_t>(packed));
+        if (std::string_view(text.data()).find_first_not_of("0:;") != std::string_view::npos) group_time_ = text.data();
     }
 
     /// Pictures of MPEG-2 come as they were coded: an I or P picture is shown when the next one comes, a B picture at
@@ -234,8 +248,13 @@ class InspectedFilm {
             return entry == nullptr ? "" : entry->value;
         };
         s.title = tag(film_.input->metadata, "title");
+        // A transport stream's, where its service is not called by who made it.
+        for (unsigned i = 0; i < film_.input->nb_programs && s.title.empty(); ++i)
+            s.title = tag(film_.input->programs[i]->metadata, "service_name");
+        if (s.title == "Service01" || s.title == "render2mpeg") s.title.clear();
         s.timecode = tag(film_.input->metadata, "timecode");
         if (s.timecode.empty()) s.timecode = tag(film_.stream->metadata, "timecode");
+        if (s.timecode.empty()) s.timecode = group_time_;
         s.chapters = static_cast<int>(film_.input->nb_chapters);
     }
 
@@ -247,6 +266,7 @@ class InspectedFilm {
     Packet packet_{av_packet_alloc()};
     Frame frame_{av_frame_alloc()};
     std::vector<Coded> coded_;
+    std::string group_time_;
     Inspection result_;
 };
 

@@ -304,6 +304,30 @@ void settle_tolerance(RenderJob& film, const RenderOptions& options) {
             (master ? std::string(codec.name) : options.output.string()));
 }
 
+/// Completes the labels of the film, or of those beside images, as the first of them can have them.
+void label(RenderJob& film, const RenderOptions& options, const Shape& shape, scene::Animation& animation) {
+    if (film.kind != OutputKind::film) {
+        if (options.also.empty()) return;
+        const auto& [word, file] = options.also.front();
+        const ViewAndCodec beside = view_and_codec(word).value();
+        CodingOptions words;
+        words.codec = std::string(encoder::facts_of(beside.codec_in(file)).word);
+        words.title = options.coding.title;
+        words.timecode = options.coding.timecode;
+        film.coding.labels = coding_settings(words, shape, film.frames.first, file, beside.view).labels;
+    }
+    set_chapters(animation, options, film.frames, film.coding.labels);
+}
+
+/// The first codec of the film, if it is one, and of those made beside it that takes no odd sides; null: all do.
+const encoder::CodecFacts* evens_sides(const std::optional<encoder::Codec>& codec, const RenderOptions& options) {
+    std::vector<encoder::Codec> codecs;
+    if (codec) codecs.push_back(*codec);
+    for (const auto& [view, file] : options.also) codecs.push_back(view_and_codec(view).value().codec_in(file));
+    const auto found = std::ranges::find_if(codecs, [](encoder::Codec c) { return encoder::facts_of(c).even_sides(); });
+    return found == codecs.end() ? nullptr : &encoder::facts_of(*found);
+}
+
 /// The shape of one eye's pictures; of drafts they are of half the size, or the least that their codec takes.
 Shape shape_of_eye(const RenderJob& film, const RenderOptions& options, scene::Animation& animation) {
     const Preset* preset = options.coding.preset;
@@ -313,10 +337,10 @@ Shape shape_of_eye(const RenderJob& film, const RenderOptions& options, scene::A
     std::optional<encoder::Codec> codec;
     if (film.kind == OutputKind::film) codec = codec_of(options.coding, options.output);
     const Size even{shape.size.width + shape.size.width % 2, shape.size.height + shape.size.height % 2};
-    if (codec && codec != encoder::Codec::mpeg2 && area_of(even) > area_of(shape.size)) {
+    const encoder::CodecFacts* evens = evens_sides(codec, options);
+    if (evens != nullptr && area_of(even) > area_of(shape.size)) {
         animation.notes.push_back(fmt::format("{}x{}: films in {} are made with even sides, {}x{}", shape.size.width,
-                                              shape.size.height, encoder::facts_of(*codec).name, even.width,
-                                              even.height));
+                                              shape.size.height, evens->name, even.width, even.height));
         wishes.size = even;
         shape = settle_shape(wishes, preset);
     }
@@ -379,10 +403,8 @@ RenderJob prepare(const RenderOptions& wanted) {
     film.rendering.transparent = animation->transparent;
 
     film.coding = coding_settings(options.coding, of_all, film.frames.first, options.output, film.view);
-    if (film.kind == OutputKind::film) {
-        describe_view(*loaded, options, film.coding);
-        set_chapters(*loaded, options, film.frames, film.coding.labels);
-    }
+    if (film.kind == OutputKind::film) describe_view(*loaded, options, film.coding);
+    label(film, options, of_all, *loaded);
     film.coding.grain = options.grain.value_or(animation->grain);
     film.coding.alpha = film.kind == OutputKind::film && film.has_alpha();
     film.rendering.mattes = options.layers || film.has_alpha() || has_alpha_beside(film, options);

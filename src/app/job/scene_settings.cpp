@@ -221,7 +221,7 @@ void tell_silent(scene::Animation& animation, const RenderOptions& options, cons
         if (!file.empty() && !says(file, codec))
             animation.notes.push_back(fmt::format("{}: such files {}", file.string(), what));
     };
-    if (!options.output.empty()) tell(options.output, codec_of(options.coding, options.output));
+    if (av::is_film(options.output)) tell(options.output, codec_of(options.coding, options.output));
     for (const auto& [subject, file, view] : options.side_films)
         if (view) tell(file, view->codec_in(file));
 }
