@@ -205,7 +205,7 @@ TEST_F(ChunksAtOnce, AreAsManyAsMemoryAllowsSlow) {
         const std::size_t at = text.find("at once: "), begin = text.rfind('\n', at) + 1;
         return at == std::string::npos ? text : text.substr(begin, text.find('\n', at) - begin);
     };
-    // Each further one takes some 30 MiB here.
+    // Each further one takes some 50 MiB here.
     const auto allowed = [&](const std::string& memory) {
         const std::string text = planned("--threads 640 --memory " + memory);
         const int count = std::stoi(text.substr(text.rfind(' ')));

@@ -85,6 +85,29 @@ TEST(Memory, OfRaysInStillLightIsReckonedWithSlow) {
     EXPECT_LT(told, 2.5 * peak);
 }
 
+TEST(Memory, InDoubtIsToldByASampleSlow) {
+    const Folder folder;
+    const std::string shape = film("character") + " --size 160x90 --frames 0:1 --exposure 0 --quiet --threads 2 ",
+                      start = program() + " render -y --hold " + shape + "-o " + path(folder, "f.m2v");
+    const auto number_in = [](const support::Outcome& outcome, const std::string& words) {
+        const std::size_t at = outcome.output.find(words);
+        return at == std::string::npos ? 0.0 : std::stod(outcome.output.substr(at + words.size()));
+    };
+    ASSERT_EQ(run(start + " --stats " + path(folder, "s.json")).status, 0);
+    const double peak = json::parse(support::contents(folder / "s.json")).at("peak_rss_mib"),
+                 most = number_in(run(start + " --memory 16M"), "it takes about ");
+    const auto planned = run(program() + " plan --within 1 " + shape.substr(0, shape.find("--quiet")));
+    const double told = number_in(planned, "Memory: about ");
+    // Of films at large: an open field takes less.
+    EXPECT_GT(told, peak) << planned.output;
+    EXPECT_LT(told, 1.6 * peak) << planned.output;
+    EXPECT_LT(1.4 * peak, most);
+    const auto enough = run(start + " --memory " + std::to_string(static_cast<int>(1.4 * peak)) + "M");
+    EXPECT_EQ(enough.status, 0) << enough.output;
+    const auto little = run(start + " --memory " + std::to_string(static_cast<int>(0.9 * peak)) + "M");
+    EXPECT_EQ(little.status, 1) << little.output;
+}
+
 TEST(Memory, IsSaidInPowersOf1024) {
     EXPECT_EQ(app::memory_from("8G"), std::uint64_t{8} << 30);
     EXPECT_EQ(app::memory_from("1.5G"), std::uint64_t{3} << 29);

@@ -9,6 +9,7 @@
 #include "app/job/shots.h"
 #include "app/options/output_kind.h"
 #include "app/system/image_reader.h"
+#include "app/system/memory_limit.h"
 #include "core/numeric.h"
 #include "core/text.h"
 #include "encoder/av/file_size.h"
@@ -83,6 +84,7 @@ double detail_of(const FrameSample& sample, double bytes) {
 struct Sampled {
     FrameSample largest;
     Growth growth;
+    MemoryNeed need;  ///< of the film, by what it took
 };
 
 /// Seconds on the clock, or of CPU where a busy machine gives fewer.
@@ -105,8 +107,16 @@ std::optional<double> next_scale(double scale, double took, double seconds, doub
     return next;
 }
 
+/// A film's need, by what this process took at most for its sample.
+MemoryNeed taken_by(const RenderJob& sample, const MemoryNeed& film) {
+    MemoryNeed told = memory_need(sample);
+    told.held = film.held;
+    return by_sample(film, told, own_memory().peak);
+}
+
 /// Larger and larger pictures, as long as there is time. None without a first one.
-std::optional<Sampled> sample_sizes(const RenderJob& film, const SpentTime& spent, double limit, bool quiet) {
+std::optional<Sampled> sample_sizes(const RenderJob& film, const MemoryNeed& need, const SpentTime& spent, double limit,
+                                    bool quiet) {
     std::optional<Sampled> found;
     std::optional<double> scale = scale_for(film, least_side);
     while (scale) {
@@ -121,7 +131,7 @@ std::optional<Sampled> sample_sizes(const RenderJob& film, const SpentTime& spen
         if (!sample) return InterruptGuard::requested() ? std::nullopt : found;
         // Times of some frames are not those of all.
         if (found && sample->frames < found->largest.frames) return found;
-        found = {*sample, growth_between(found ? &found->largest : nullptr, *sample)};
+        found = {*sample, growth_between(found ? &found->largest : nullptr, *sample), taken_by(wanted.film, need)};
         if (sample->frames == 0) return found;
         const double now = spent.seconds();
         scale = next_scale(*scale, now - began, limit - now, found->growth.later.seconds);
@@ -208,7 +218,7 @@ FrameCost film_by(const RenderJob& film, const FrameSample& sample) {
 namespace {
 
 /// What a film takes at the least, in which the first frame of a sample was not lit in time.
-Forecast least_forecast(const RenderJob& film, const FrameSample& unlit) {
+Forecast least_forecast(const RenderJob& film, const FrameSample& unlit, std::uint64_t memory) {
     Forecast least;
     least.is_least = true;
     least.sample = unlit;
@@ -218,7 +228,7 @@ Forecast least_forecast(const RenderJob& film, const FrameSample& unlit) {
     const double frames = static_cast<double>(film.frame_count()), starts = starts_of(film);
     least.cpu = starts * least.first.seconds + (frames - starts) * least.later.seconds + unlit.built;
     least.clock = least.cpu * core::divide_or(unlit.clock, unlit.cpu, 1.0);
-    least.memory = memory_need(film).total();
+    least.memory = memory;
     return least;
 }
 
@@ -226,11 +236,12 @@ Forecast least_forecast(const RenderJob& film, const FrameSample& unlit) {
 
 std::optional<Forecast> forecast(RenderJob& film, const std::filesystem::path& output, double within, bool quiet) {
     const SpentTime spent;
+    const MemoryNeed need = memory_need(film);
     if (!settle(film)) return {};
     const double once = cpu_seconds();
-    const std::optional<Sampled> sampled = sample_sizes(film, spent, within, quiet);
+    const std::optional<Sampled> sampled = sample_sizes(film, need, spent, within, quiet);
     if (!sampled) return {};
-    if (sampled->largest.frames == 0) return least_forecast(film, sampled->largest);
+    if (sampled->largest.frames == 0) return least_forecast(film, sampled->largest, need.total());
     Forecast forecast;
     forecast.sample = sampled->largest;
     const FrameSample grown =
@@ -243,11 +254,24 @@ std::optional<Forecast> forecast(RenderJob& film, const std::filesystem::path& o
     forecast.clock = forecast.cpu * core::divide_or(grown.clock, grown.cpu + grown.built, 1.0);
     forecast.bytes = file_bytes(film, output, whole.bytes);
     forecast.disk = is_one_file(film.kind) ? 2 * forecast.bytes : forecast.bytes;
-    forecast.memory = memory_need(film).total();
+    forecast.memory = sampled->need.total();
     // fit: bench/fits/forecast.jsonl: nine of ten films; each four times the pixels that are not lit add as much again.
     const double fours = std::log(area_of(film.size()) / area_of(grown.size)) / std::log(4.0);
     forecast.spread = std::min(0.6, 0.15 + 0.1 * std::max(0.0, fours));
     return forecast;
+}
+
+MemoryNeed sampled(const RenderJob& film, const MemoryNeed& need) {
+    // chosen: pictures of 160 pixels, the first and one more: a fourth of a frame in 320x180.
+    constexpr double side = 160;
+    constexpr int windows = 2, frames = 1;
+    RenderJob lit = film;
+    if (!lit.exposure) lit.exposure = measure_exposure(lit);
+    const Sample wanted{resized(lit, scale_for(lit, side)), sample_windows(lit, windows, frames)};
+    Progress progress(wanted.windows.frames(), true, "sample", Counted::parts_of_step);
+    LoopObserver nobody;
+    if (!sample_frames(wanted, nobody, progress, [] { return false; })) return need;
+    return taken_by(wanted.film, need);
 }
 
 std::string film_text(const RenderJob& film) {

@@ -42,6 +42,9 @@ struct Forecast {
 /// count, and settles the exposure. `output`'s ending tells the container; empty: .mpg. None after an interruption.
 std::optional<Forecast> forecast(RenderJob& film, const std::filesystem::path& output, double within, bool quiet);
 
+/// A film's need of memory by a sample of two small pictures, in seconds; as told where that was interrupted.
+MemoryNeed sampled(const RenderJob& film, const MemoryNeed& need);
+
 /// One line: frames, size, rate, camera, lights.
 std::string film_text(const RenderJob& film);
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <string>
 
@@ -10,6 +11,7 @@
 #include "app/loop/grain_cost.h"
 #include "app/system/memory_limit.h"
 #include "core/error.h"
+#include "core/numeric.h"
 #include "encoder/codec.h"
 #include "image/image.h"
 #include "renderer/surface/opacity_map.h"
@@ -25,8 +27,9 @@ constexpr std::uint64_t per_vpl = 600;  ///< as many as are asked for, about
 constexpr std::uint64_t per_pixel = 250, per_sample = 60;
 constexpr std::uint64_t per_pixel_looked_at_closer = 500;
 constexpr std::uint64_t per_exposed_sample = 40;
-/// Rays in flight with the cells that they ask: as many as pixels want, up to those that are traced in one go.
-constexpr std::uint64_t per_asking_pixel = 13'000, most_asking = std::uint64_t{400} << 20;
+/// Cells that rays ask, records, rays in flight: they grow as a picture's sides do. A room full of small things takes
+/// all of it, an open field a sixth.
+constexpr std::uint64_t per_asking_edge = 1'100'000;
 constexpr std::uint64_t samples_of_blurred_lamps = 32;  ///< of a pixel on the average, where a lens blurs
 constexpr std::uint64_t per_decoded_pixel = 48;
 constexpr std::uint64_t per_kept_pixel = 8;  ///< of a chunk's pictures, which are coded until it has its rate
@@ -34,7 +37,7 @@ constexpr std::uint64_t per_kept_pixel = 8;  ///< of a chunk's pictures, which a
 /// are found.
 constexpr std::uint64_t per_way = 36, most_ways = std::uint64_t{1} << 19, most_volume_lamps = 16;
 constexpr std::uint64_t cells_of_volume = std::uint64_t{160} << 20, per_shining_voxel = 28;
-constexpr std::uint64_t always = std::uint64_t{24} << 20;
+constexpr std::uint64_t always = std::uint64_t{38} << 20;  ///< libraries of films among it, which are opened late
 
 /// Triangles and segments of strands in Embree: rigid objects share their mesh's, others have their own; still ones
 /// that light goes below stand in a second tree.
@@ -122,6 +125,11 @@ std::uint64_t for_cut_outs(const scene::Animation& scene) {
                                    renderer::OpacityMaps::most_bytes);
 }
 
+/// Pixels along the side of a square picture.
+std::uint64_t edge_of(std::uint64_t pixels) {
+    return static_cast<std::uint64_t>(std::sqrt(static_cast<double>(pixels)));
+}
+
 std::string size_text(std::uint64_t bytes) {
     const double mib = static_cast<double>(bytes) / (1 << 20);
     return mib < 1000 ? fmt::format("{:.0f} MiB", mib) : fmt::format("{:.1f} GiB", mib / 1024);
@@ -152,23 +160,34 @@ MemoryNeed memory_need(const RenderJob& film) {
             need.volumes += own + (volume.files.size() > 1 ? volume.outline.bytes : 0);
             need.moving += own;
         }
+    const bool asks = film.rendering.indirect == renderer::Indirect::rays;
     need.lights = per_lamp * (static_cast<std::uint64_t>(film.rendering.direct_points) + scene.lights.size()) +
-                  per_vpl * static_cast<std::uint64_t>(film.rendering.vpls);
+                  (asks ? 0 : per_vpl * static_cast<std::uint64_t>(film.rendering.vpls));
     const std::uint64_t closer = film.rendering.most_samples > 0 ? per_pixel_looked_at_closer : 0;
-    const bool gathers = film.rendering.indirect == renderer::Indirect::rays;
     const std::uint64_t pixels =
         static_cast<std::uint64_t>(film.format.width) * static_cast<std::uint64_t>(film.format.height);
     need.frames = always + codec_memory(film, pixels) +
                   (per_pixel + closer + per_sample * static_cast<std::uint64_t>(film.rendering.samples) +
                    per_exposed_sample * most_exposure_samples(film)) *
                       pixels +
-                  (gathers ? std::min(per_asking_pixel * pixels, most_asking) : 0) +
                   per_kept_pixel * (kept_pixels(film) + grained_pixels(film));
+    if (asks) need.asked = per_asking_edge * edge_of(pixels);
     return need;
 }
 
+MemoryNeed by_sample(MemoryNeed film, const MemoryNeed& sample, std::uint64_t taken) {
+    // chosen: a third more, which no film of 4, 16 and 64 times the sample's pixels takes.
+    constexpr double more = 1.35, scene_told = 1.3;
+    const double held = static_cast<double>(sample.held),
+                 known = held + (static_cast<double>(sample.scene()) - held) / scene_told +
+                         static_cast<double>(sample.frames - always),
+                 edges = core::divide_or(static_cast<double>(film.asked), static_cast<double>(sample.asked), 0.0);
+    film.asked = static_cast<std::uint64_t>(more * edges * std::max(static_cast<double>(taken) - known, 0.0));
+    return film;
+}
+
 bool may_decode_at_once(const RenderJob& film, const MemoryNeed& need, std::uint64_t limit, int threads) {
-    if (need.total() + need.decoding * static_cast<std::uint64_t>(std::max(threads - 1, 0)) <= limit) return true;
+    if (need.total(std::max(threads, 1)) <= limit) return true;
     if (need.total() <= limit) return false;
     throw core::Error(
         "rendering", film.animation->source,
@@ -177,7 +196,7 @@ bool may_decode_at_once(const RenderJob& film, const MemoryNeed& need, std::uint
             "{} to read the largest of them, {} for volumes, {} for lights, {} for frames",
             size_text(need.total()), size_text(limit), size_text(need.held), size_text(need.triangles),
             size_text(need.textures), size_text(need.decoding), size_text(need.volumes), size_text(need.lights),
-            size_text(need.frames)));
+            size_text(need.frames + need.asked)));
 }
 
 }  // namespace render2mpeg::app

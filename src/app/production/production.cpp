@@ -109,7 +109,12 @@ RenderJob prepare_within_memory(const RenderOptions& options) {
     const std::uint64_t limit = *options.memory;
     hold_to(limit, std::max(parallel::thread_count(), options.chunks_at_once.value_or(1)));
     RenderJob film = prepare(options);
-    film.images_in_turn = !may_decode_at_once(film, memory_need(film), limit, parallel::thread_count());
+    MemoryNeed need = memory_need(film);
+    if (need.total() > limit && need.least() <= limit) {
+        film.images_in_turn = true;
+        need = sampled(film, need);
+    }
+    film.images_in_turn = !may_decode_at_once(film, need, limit, parallel::thread_count());
     if (!film.images_in_turn) film.images->read_ahead(image_probes(true));
     return film;
 }

@@ -1,7 +1,6 @@
 #include "app/report/statistics.h"
 
 #include <fmt/format.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <array>
@@ -9,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/files/file_io.h"
+#include "app/system/memory_limit.h"
 #include "core/numeric.h"
 #include "encoder/codec.h"
 #include "encoder/encoder.h"
@@ -289,9 +289,7 @@ json fog_of(const RenderJob& film) {
 }  // namespace
 
 double peak_memory_mib() {
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-    return static_cast<double>(usage.ru_maxrss) / 1024.0;
+    return static_cast<double>(own_memory().peak) / (1 << 20);
 }
 
 json statistics_of(const RenderJob& film, const RunStatistics& statistics, const RunFacts& facts) {

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <fstream>
 #include <string_view>
 
 #include "core/error.h"
@@ -13,13 +14,17 @@
 namespace render2mpeg::app {
 
 OwnMemory own_memory() {
-    std::uintmax_t resident = 0, writable = 0;
+    std::uintmax_t resident = 0, writable = 0, peak = 0;
     if (std::FILE* statm = std::fopen("/proc/self/statm", "r")) {
         if (std::fscanf(statm, "%*u %ju %*u %*u %*u %ju", &resident, &writable) != 2) resident = writable = 0;
         std::fclose(statm);
     }
+    // Not by getrusage(), which counts what the process was before it became this program.
+    std::ifstream status("/proc/self/status");
+    for (std::string line; std::getline(status, line);)
+        if (line.starts_with("VmHWM:")) std::sscanf(line.c_str(), "VmHWM: %ju", &peak);
     const auto page = static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
-    return {resident * page, writable * page};
+    return {resident * page, writable * page, std::max<std::uint64_t>(peak * 1024, resident * page)};
 }
 
 void expect_stack() {

@@ -8,9 +8,10 @@ namespace render2mpeg::app {
 /// Bytes, from "8G", "1.5G", "900M" (powers of 1024). Throws core::Error.
 std::uint64_t memory_from(const std::string& text);
 
-/// Bytes of this process: resident, and writable.
+/// Bytes of this process.
 struct OwnMemory {
     std::uint64_t resident = 0, writable = 0;
+    std::uint64_t peak = 0;  ///< resident at most, so far
 };
 OwnMemory own_memory();
 /// Bytes of the machine.
