@@ -307,14 +307,14 @@ void settle_tolerance(RenderJob& film, const RenderOptions& options) {
 /// Completes the labels of the film, or of those beside images, as the first of them can have them.
 void label(RenderJob& film, const RenderOptions& options, const Shape& shape, scene::Animation& animation) {
     if (film.kind != OutputKind::film) {
-        if (options.also.empty()) return;
-        const auto& [word, file] = options.also.front();
-        const ViewAndCodec beside = view_and_codec(word).value();
+        const auto beside =
+            std::ranges::find_if(options.side_films, [](const SideFilmRequest& made) { return made.view.has_value(); });
+        if (beside == options.side_films.end()) return;
         CodingOptions words;
-        words.codec = std::string(encoder::facts_of(beside.codec_in(file)).word);
+        words.codec = beside->view->codec_in(beside->file);
         words.title = options.coding.title;
         words.timecode = options.coding.timecode;
-        film.coding.labels = coding_settings(words, shape, film.frames.first, file, beside.view).labels;
+        film.coding.labels = coding_settings(words, shape, film.frames.first, beside->file, beside->view->view).labels;
     }
     set_chapters(animation, options, film.frames, film.coding.labels);
 }
@@ -323,7 +323,8 @@ void label(RenderJob& film, const RenderOptions& options, const Shape& shape, sc
 const encoder::CodecFacts* evens_sides(const std::optional<encoder::Codec>& codec, const RenderOptions& options) {
     std::vector<encoder::Codec> codecs;
     if (codec) codecs.push_back(*codec);
-    for (const auto& [view, file] : options.also) codecs.push_back(view_and_codec(view).value().codec_in(file));
+    for (const auto& [subject, file, view] : options.side_films)
+        if (view) codecs.push_back(view->codec_in(file));
     const auto found = std::ranges::find_if(codecs, [](encoder::Codec c) { return encoder::facts_of(c).even_sides(); });
     return found == codecs.end() ? nullptr : &encoder::facts_of(*found);
 }
