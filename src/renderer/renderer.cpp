@@ -355,11 +355,10 @@ void Renderer::save(core::ArchiveWriter& archive) {
 }
 
 void Renderer::restore(core::ArchiveReader& archive) {
-    // Light within air follows from the instant, and finds cells that the state replaces.
-    impl_->light_air();
+    impl_->light_air();  // follows from the instant, and finds cells that the state replaces
     impl_->keep(archive);
-    if (!impl_->memory.records.is_sound(impl_->posed_scene.animation()))
-        throw core::Error("records of light are damaged");
+    const scene::Animation& film = impl_->posed_scene.animation();
+    if (!impl_->memory.records.is_sound(film)) throw core::Error("records of light are damaged");
 }
 
 Lit Renderer::light(const scene::Snapshot& snapshot, Frame frame, const LightOrder& order) {
