@@ -27,7 +27,7 @@ FilmLights::FilmLights(PosedScene& posed_scene, const Plan& plan, const Settings
       settings_(settings),
       statistics_(statistics),
       times_(times),
-      light_points_(posed_scene, plan, (plan.runs(Pass::sky_light) ? 2 : 1) * settings.direct_points, settings.seed) {}
+      light_points_(posed_scene, plan, settings.direct_points, settings.seed) {}
 
 FilmLights::FilmLights(const FilmLights& prepared, PosedScene& posed_scene, const Plan& plan, const Settings& settings,
                        Statistics& statistics, PassTimes& times)

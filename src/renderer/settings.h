@@ -30,7 +30,9 @@ struct Settings {
     int edge_samples = 0;  ///< of pixels with edges; 0: as many
     int most_samples =
         0;  ///< of pixels whose edges show beyond their tolerance (refine_edges.h), 64 or 256; 0: no more
-    int direct_points = 1024;           ///< light points for emissive surfaces; twice as many for a sky, or for both
+    /// Light points for emissive surfaces, and as many for a sky. chosen: of 1024 to 16384 the fewest with which narrow
+    /// lobes of a title see long lamps by cuts instead of rays; twelve frames took 53, 46 (4096) and 44 CPU s.
+    int direct_points = 4096;
     int vpls = 32768;                   ///< about: light points of indirect light; 0: none
     int bounces = 0;                    ///< longest photon path; 0: any
     std::uint64_t caustic_photons = 0;  ///< of a frame; 0: as many as its tolerance needs (caustics.h)

@@ -109,6 +109,31 @@ TEST(LightPoints, LieInProportionToPower) {
     EXPECT_EQ(count[2], 1);  // faint, but not black
 }
 
+// A lamp of two long triangles, from as far as six of its points lie apart.
+TEST(LightPoints, OfALongStripLightAWallEvenly) {
+    constexpr int points = 64;
+    constexpr double length = 6, distance = 6 * length / points;
+    for (const bool turned : {false, true}) {
+        SceneBuilder b;
+        const glm::vec3 along{static_cast<float>(length), 0, 0}, across{0, 0.06f, 0};
+        // Turned, the quad's triangles have other first corners.
+        b.add_quad(turned ? across : glm::vec3(0), turned ? -across : along, turned ? along : across,
+                   b.add_emitter({1, 1, 1}));
+        LitStage stage(b);
+        double least = 1e9, most = 0;
+        for (double x = 0.3 * length; x < 0.7 * length; x += 0.01 * length) {
+            double irradiance = 0;
+            for (const LightPoint& p : stage.direct_points(points, 1)) {
+                const double d2 = distance * distance + std::pow(p.position.x - x, 2);
+                irradiance += p.intensity.x * distance * distance / (d2 * d2);
+            }
+            least = std::min(least, irradiance);
+            most = std::max(most, irradiance);
+        }
+        EXPECT_LT(most, 1.03 * least);
+    }
+}
+
 TEST(LightPoints, ShineFromBothSidesOnlyWhereTheMaterialDoes) {
     for (const bool both : {false, true}) {
         SceneBuilder b;

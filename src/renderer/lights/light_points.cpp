@@ -22,11 +22,9 @@ LightPoints::LightPoints(const PosedScene& posed_scene, const Plan& plan, int co
       lamps_(plan.runs(Pass::punctual_lights)),
       emissive_(plan.runs(Pass::emissive_lights)),
       seed_(seed) {
-    const bool sky = plan.runs(Pass::sky_light) && posed_scene.sky() != nullptr;
-    const int share = std::max(1, emissive_ && sky ? count / 2 : count);
-    if (emissive_) emissive_count_ = share;
-    if (!sky) return;
-    sky_count_ = share;
+    if (emissive_) emissive_count_ = std::max(1, count);
+    if (!plan.runs(Pass::sky_light) || posed_scene.sky() == nullptr) return;
+    sky_count_ = std::max(1, count);
     divide_sky(posed_scene);
 }
 

@@ -48,8 +48,7 @@ image::SkyImportance sky_importance(PosedScene& posed_scene, std::uint64_t& rays
 /// in proportion to their power, the sky by importance. Ids are stable over a chunk.
 class LightPoints {
   public:
-    /// `count` is the number of points for emissive surfaces and sky together, about; surfaces and sky share it half
-    /// and half where both are there.
+    /// `count` is the number of points for emissive surfaces, about, and for a sky.
     LightPoints(const PosedScene& posed_scene, const Plan& plan, int count, std::uint64_t seed);
 
     /// Divides the sky by where light comes from that cameras see. A function of the animation, whose instants get

@@ -52,15 +52,35 @@ struct Emitter {
     double power = 0;
 };
 
-float emitting_area(const scene::Snapshot& s, std::uint32_t object, std::uint32_t primitive) {
-    // An object that is switched off still gets its points: take its own size then.
+/// A triangle that shines: of an object that is switched off, which still gets its points, of its own size.
+scene::Triangle emitting_triangle(const scene::Snapshot& s, std::uint32_t object, std::uint32_t primitive) {
+    if (s.objects[object].present) return scene::triangle_of(s, object, primitive);
     const scene::Object& o = s.animation->objects[object];
     const scene::Mesh& mesh = s.animation->meshes[static_cast<std::size_t>(o.mesh)];
     const glm::uvec3 t = mesh.triangles[primitive];
-    scene::Triangle triangle{mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]};
-    if (s.objects[object].present) triangle = scene::triangle_of(s, object, primitive);
-    const float area = area_of(triangle);
+    return {mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]};
+}
+
+float emitting_area(const scene::Snapshot& s, std::uint32_t object, std::uint32_t primitive) {
+    const float area = area_of(emitting_triangle(s, object, primitive));
     return std::isfinite(area) ? area : 0.0f;
+}
+
+/// The corner of a triangle that lies opposite of its shortest edge.
+int apex_of(const scene::Triangle& t) {
+    const std::array<float, 3> opposite{glm::length(t.c - t.b), glm::length(t.a - t.c), glm::length(t.b - t.a)};
+    return static_cast<int>(std::ranges::min_element(opposite) - opposite.begin());
+}
+
+/// Place k of n in a triangle, as weights of its second and third corner. Hammersley's, whose steps go from the apex
+/// along the triangle's length: of a strip's light a few points for each of its widths are even.
+glm::vec2 place_in_triangle(int apex, int k, int n, const Stream& numbers) {
+    const float along = (static_cast<float>(k) + 0.5f) / static_cast<float>(n);
+    const glm::vec2 far = core::sample_triangle({along, numbers.halton(0, static_cast<std::uint64_t>(k))});
+    std::array<float, 3> weights{};
+    for (int i = 0; i < 3; ++i)
+        weights[static_cast<std::size_t>((apex + i) % 3)] = i == 0 ? 1.0f - far.x - far.y : far[i - 1];
+    return {weights[1], weights[2]};
 }
 
 /// Cuts a triangle's edges into n: n x n small triangles, upright and turned ones.
@@ -135,7 +155,8 @@ Emitter emitter_of(const PosedScene& posed_scene, const scene::Snapshot& snapsho
 }
 
 /// Stratified points of one emitter: each stands for the same power.
-void place_points(const Emitter& emitter, int count, std::uint64_t seed, std::vector<EmitterPoint>& out) {
+void place_points(const scene::Snapshot& snapshot, const Emitter& emitter, int count, std::uint64_t seed,
+                  std::vector<EmitterPoint>& out) {
     const Stream numbers = Stream(Purpose::lamp_points, {.index = seed}).at(emitter.object);
     const double shift = numbers.uniform(0);
     double passed = 0;
@@ -145,9 +166,11 @@ void place_points(const Emitter& emitter, int count, std::uint64_t seed, std::ve
         passed += cell.power();
         const bool last = c + 1 == emitter.cells.size();
         const Stream of_cell = numbers.at(1 + c);
-        for (std::uint64_t k = 0; next < count && (last || (next + shift) * emitter.power < passed * count);
-             ++k, ++next) {
-            const glm::vec2 place = core::sample_triangle({of_cell.halton(0, k), of_cell.halton(1, k)});
+        int end = last ? count : next;
+        while (end < count && (end + shift) * emitter.power < passed * count) ++end;
+        const int apex = apex_of(emitting_triangle(snapshot, emitter.object, cell.primitive));
+        for (int k = 0, n = end - next; next < end; ++k, ++next) {
+            const glm::vec2 place = place_in_triangle(apex, k, n, of_cell);
             const glm::vec2 uv = cell.corner + place.x * cell.edge_u + place.y * cell.edge_v;
             const double share = emitter.power / count / core::luminance(cell.radiance) * cell.share / cell.area;
             out.push_back(
@@ -309,7 +332,7 @@ std::vector<EmitterPoint> place_emitters(const PosedScene& posed_scene, const sc
     for (const Emitter& emitter : emitters) {
         if (!(emitter.power > 0.0)) continue;
         const double wanted = core::divide_or(emitter.power, power, 0.0) * count;
-        place_points(emitter, std::max(1, static_cast<int>(std::lround(wanted))), seed, points);
+        place_points(snapshot, emitter, std::max(1, static_cast<int>(std::lround(wanted))), seed, points);
     }
     return points;
 }
