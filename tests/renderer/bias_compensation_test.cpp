@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
+#include <utility>
+#include <vector>
 
 #include "core/sampling.h"
 #include "tests/renderer/lighting.h"
@@ -94,9 +97,12 @@ TEST(NearLights, ArePointsFromThreeRadiiOn) {
 /// A closed room whose walls all shine alike: indirect light is the same everywhere.
 class FurnaceEdges : public testing::Test {
   protected:
-    FurnaceEdges() : stage_(room(), {25600, 3}) {
-        const std::vector<LightPoint> lit = stage_.light();
-        light_trees_ = test::build_light_trees({}, lit, 1);
+    FurnaceEdges() {
+        for (std::uint64_t seed = 1; seed <= draws; ++seed) {
+            stages_.push_back(
+                std::make_unique<test::VirtualLightStage>(room(), renderer::VirtualLightSettings{25600, 3}, 64, seed));
+            light_trees_.push_back(test::build_light_trees({}, stages_.back()->light(), 1));
+        }
     }
     static test::SceneBuilder room() {
         test::SceneBuilder b;
@@ -106,16 +112,26 @@ class FurnaceEdges : public testing::Test {
         return b;
     }
     /// Mean and scatter of indirect irradiance along a line of the floor at a distance from a wall, without clamp or
-    /// with.
+    /// with; means over all draws of the light points, of which one may happen to lie near.
     std::pair<double, double> along(float from_wall, GeometryClamp clamp) {
-        light_trees_.point_clamp = clamp;
-        Gatherer gatherer(light_trees_, stage_.posed_scene().tracer());
+        std::pair<double, double> all;
+        for (std::size_t i = 0; i < draws; ++i) {
+            const auto [mean, scatter] = along(*stages_[i], light_trees_[i], from_wall, clamp);
+            all.first += mean / draws;
+            all.second += scatter / draws;
+        }
+        return all;
+    }
+    static std::pair<double, double> along(test::VirtualLightStage& stage, LightTrees& light_trees, float from_wall,
+                                           GeometryClamp clamp) {
+        light_trees.point_clamp = clamp;
+        Gatherer gatherer(light_trees, stage.posed_scene().tracer());
         double sum = 0, squares = 0;
         for (int i = 0; i < places; ++i) {
             const float z = 0.5f + 3.0f * (static_cast<float>(i) + 0.5f) / places;
-            const Hit hit = stage_.posed_scene().tracer().nearest({from_wall, 1, z}, {0, -1, 0}, 10);
+            const Hit hit = stage.posed_scene().tracer().nearest({from_wall, 1, z}, {0, -1, 0}, 10);
             GatherPoint point;
-            point.point = stage_.posed_scene().surface_at(hit.address, {0, 1, 0});
+            point.point = stage.posed_scene().surface_at(hit.address, {0, 1, 0});
             const GatherPoint* const points[] = {&point};
             GatherLanes lanes;
             fill(lanes, points);
@@ -128,13 +144,14 @@ class FurnaceEdges : public testing::Test {
     }
 
     static constexpr int places = 48;
-    test::VirtualLightStage stage_;
-    LightTrees light_trees_;
+    static constexpr std::size_t draws = 6;
+    std::vector<std::unique_ptr<test::VirtualLightStage>> stages_;
+    std::vector<LightTrees> light_trees_;
 };
 
 TEST_F(FurnaceEdges, AreNeitherDarkNorBlotchySlow) {
     const double middle = along(2.0f, {0.25f}).first;
-    const std::pair<float, double> most_scatter[] = {{0.02f, 0.25}, {0.08f, 0.18}, {0.2f, 0.11}, {0.4f, 0.11}};
+    const std::pair<float, double> most_scatter[] = {{0.02f, 0.45}, {0.08f, 0.25}, {0.2f, 0.11}, {0.4f, 0.06}};
     for (const auto& [metres, most] : most_scatter) {
         const auto [mean, scatter] = along(metres, {0.25f});
         EXPECT_GT(mean, 0.82 * middle) << metres;
@@ -142,7 +159,7 @@ TEST_F(FurnaceEdges, AreNeitherDarkNorBlotchySlow) {
         EXPECT_LT(scatter, most) << metres;
     }
     // Points alone show every VPL near an edge.
-    EXPECT_GT(along(0.02f, GeometryClamp::none()).second, 0.29);
+    EXPECT_GT(along(0.02f, GeometryClamp::none()).second, 0.45);
 }
 
 }  // namespace

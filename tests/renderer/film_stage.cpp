@@ -13,7 +13,7 @@ renderer::Settings small_frame(int width, int height) {
     renderer::Settings s;
     s.format = {width, height, 1.0f};
     s.samples = 1;
-    s.direct_points = 128;
+    s.direct_points = 256;
     s.cache = renderer::CacheUse::static_light;
     s.vpls = 500;  // where a test asks for lightcuts
     s.isa = core::detect_isa();

@@ -8,11 +8,11 @@
 namespace render2mpeg::test {
 
 VirtualLightStage::VirtualLightStage(const SceneBuilder& builder, renderer::VirtualLightSettings settings,
-                                     int direct_points)
+                                     int direct_points, std::uint64_t seed)
     : film_(builder.build()),
       plan_(renderer::make_plan(scene::traits_of(film_), {})),
       posed_scene_(film_, core::detect_isa(), plan_),
-      points_(posed_scene_, plan_, direct_points, 1),
+      points_(posed_scene_, plan_, direct_points, seed),
       world_(snapshot(film_, 0, 32, 32)),
       settings_(settings) {
     posed_scene_.pose(world_);

@@ -14,7 +14,7 @@ namespace render2mpeg::test {
 class VirtualLightStage {
   public:
     explicit VirtualLightStage(const SceneBuilder& builder, renderer::VirtualLightSettings settings = {600, 4},
-                               int direct_points = 64);
+                               int direct_points = 64, std::uint64_t seed = 1);
 
     void pose(double seconds);
 
