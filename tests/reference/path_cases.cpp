@@ -29,7 +29,7 @@ TruthCase white_room() {
     c.scene.add_box({0, 0, 0}, {4, 3, 4}, c.scene.add_material({0.8f, 0.7f, 0.6f}), true);
     c.scene.add_quad({1.5f, 2.6f, 1.5f}, {1, 0, 0}, {0, 0, 1}, c.scene.add_emitter({10, 9, 8}));
     c.scene.add_camera({2, 1.5f, 3.6f}, {2, 0.3f, 0.6f}, 0.5f);
-    c.vpls = 16384;
+    c.vpls = 65536;  // eight draws of 16,384 err by 1.4 to 4.6 % in a patch
     c.allowed = {0.01, 0.03};
     return c;
 }

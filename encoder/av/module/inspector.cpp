@@ -248,10 +248,11 @@ class InspectedFilm {
             return entry == nullptr ? "" : entry->value;
         };
         s.title = tag(film_.input->metadata, "title");
-        // A transport stream's, where its service is not called by who made it.
-        for (unsigned i = 0; i < film_.input->nb_programs && s.title.empty(); ++i)
-            s.title = tag(film_.input->programs[i]->metadata, "service_name");
-        if (s.title == "Service01" || s.title == "render2mpeg") s.title.clear();
+        // A transport stream's is its service's name, which is the writer's own where there is none.
+        for (unsigned i = 0; i < film_.input->nb_programs && s.title.empty(); ++i) {
+            const std::string name = tag(film_.input->programs[i]->metadata, "service_name");
+            if (name != "Service01" && name != "render2mpeg") s.title = name;
+        }
         s.timecode = tag(film_.input->metadata, "timecode");
         if (s.timecode.empty()) s.timecode = tag(film_.stream->metadata, "timecode");
         if (s.timecode.empty()) s.timecode = group_time_;
